@@ -1,0 +1,49 @@
+# kr3_target(<target>): the language level and the warnings every KR3 target gets.
+function(kr3_target target)
+  target_compile_features(${target} PUBLIC cxx_std_17)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wold-style-cast
+    -fmacro-prefix-map=${CMAKE_SOURCE_DIR}/=)           # short paths in errors and logs
+  target_link_options(${target} PRIVATE -Wl,--no-undefined) # a core that calls ROS fails to link
+  if(KR3_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+endfunction()
+
+# kr3_node(<name> SOURCES ... LIBRARIES ...): an executable found by `rosrun <package> <name>`.
+function(kr3_node name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  set(target ${PROJECT_NAME}_${name}) # catkin_make shares one target namespace
+  add_executable(${target} ${ARG_SOURCES})
+  set_target_properties(${target} PROPERTIES OUTPUT_NAME ${name})
+  kr3_target(${target})
+  target_include_directories(${target} SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
+  target_link_libraries(${target} PRIVATE ${ARG_LIBRARIES} ${catkin_LIBRARIES})
+  add_dependencies(${target} ${catkin_EXPORTED_TARGETS})
+  install(TARGETS ${target} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+endfunction()
+
+# kr3_tool(<name> SOURCES ... LIBRARIES ...): a command-line program that needs no ROS, found by rosrun too.
+function(kr3_tool name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  set(target ${PROJECT_NAME}_${name})
+  add_executable(${target} ${ARG_SOURCES})
+  set_target_properties(${target} PROPERTIES OUTPUT_NAME ${name})
+  kr3_target(${target})
+  target_link_libraries(${target} PRIVATE ${ARG_LIBRARIES})
+  install(TARGETS ${target} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+endfunction()
+
+# kr3_gtest(<name> SOURCES ... LIBRARIES ...): a unit test without a ROS master. It finds the repository's
+# domains/ in the macro KR3_DOMAINS_DIR, and its package's test/ in KR3_TEST_DIR.
+function(kr3_gtest name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  set(target ${PROJECT_NAME}_${name})
+  catkin_add_gtest(${target} ${ARG_SOURCES})
+  kr3_target(${target})
+  target_link_libraries(${target} ${ARG_LIBRARIES} gtest_main)
+  get_filename_component(package_dir ${CMAKE_CURRENT_SOURCE_DIR} REALPATH)
+  get_filename_component(repository_dir ${package_dir}/../.. ABSOLUTE)
+  target_compile_definitions(${target} PRIVATE
+    KR3_DOMAINS_DIR="${repository_dir}/domains" KR3_TEST_DIR="${package_dir}/test")
+endfunction()
