@@ -1,0 +1,144 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "kr3_pomdp/belief.hpp"
+
+namespace kr3::pomdp
+{
+
+/// One non-zero entry of a sparse row.
+struct SparseEntry
+{
+  std::uint32_t index;
+  double probability;
+};
+
+/// A read-only view of a sparse row, by ascending index. Valid as long as the model it came from.
+class SparseRow
+{
+public:
+  SparseRow(const SparseEntry* first, const SparseEntry* last) : first_(first), last_(last) {}
+  [[nodiscard]] const SparseEntry* begin() const { return first_; }
+  [[nodiscard]] const SparseEntry* end() const { return last_; }
+  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(last_ - first_); }
+
+private:
+  const SparseEntry* first_;
+  const SparseEntry* last_;
+};
+
+/// Sparse rows in one block (compressed rows).
+class SparseRows
+{
+public:
+  SparseRows() : starts_{0} {}
+  /// Appends a row; entries are sorted by index and have no duplicates.
+  void append(const std::vector<SparseEntry>& row);
+  [[nodiscard]] SparseRow row(std::size_t i) const
+  {
+    return {entries_.data() + starts_[i], entries_.data() + starts_[i + 1]};
+  }
+  [[nodiscard]] std::size_t numRows() const { return starts_.size() - 1; }
+  [[nodiscard]] std::size_t numEntries() const { return entries_.size(); }
+
+private:
+  std::vector<SparseEntry> entries_;
+  std::vector<std::size_t> starts_;
+};
+
+/// The names of one kind of thing in a model; each has an index from 0.
+class NameTable
+{
+public:
+  /// @throws InvalidArgument  a duplicate or empty name
+  NameTable(const std::string& kind, std::vector<std::string> names);
+  [[nodiscard]] std::size_t size() const { return names_.size(); }
+  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+  [[nodiscard]] const std::string& operator[](std::size_t i) const { return names_.at(i); }
+  [[nodiscard]] std::optional<std::size_t> find(std::string_view name) const;
+
+private:
+  std::vector<std::string> names_;
+  std::unordered_map<std::string, std::size_t> index_;
+};
+
+/// A flat, sparse POMDP. An immutable value, built by ModelBuilder.
+///
+/// Invariant: every row of T and O sums to 1 within 1e-9 (after normalisation), all numbers are
+/// finite, the discount is in (0, 1], there is at least one state, action and observation.
+class Model
+{
+public:
+  [[nodiscard]] std::size_t numStates() const { return states_.size(); }
+  [[nodiscard]] std::size_t numActions() const { return actions_.size(); }
+  [[nodiscard]] std::size_t numObservations() const { return observations_.size(); }
+
+  [[nodiscard]] const std::string& stateName(std::size_t state) const { return states_[state]; }
+  [[nodiscard]] const std::string& actionName(std::size_t action) const { return actions_[action]; }
+  [[nodiscard]] const std::string& observationName(std::size_t observation) const
+  {
+    return observations_[observation];
+  }
+  [[nodiscard]] std::optional<std::size_t> findState(std::string_view name) const
+  {
+    return states_.find(name);
+  }
+  [[nodiscard]] std::optional<std::size_t> findAction(std::string_view name) const
+  {
+    return actions_.find(name);
+  }
+  [[nodiscard]] std::optional<std::size_t> findObservation(std::string_view name) const
+  {
+    return observations_.find(name);
+  }
+
+  [[nodiscard]] double discount() const { return discount_; }
+  [[nodiscard]] const Belief& initialBelief() const { return initial_belief_; }
+
+  /// T(s' | s, a): index is s'.
+  [[nodiscard]] SparseRow transitions(std::size_t action, std::size_t state) const
+  {
+    return transitions_.row(action * numStates() + state);
+  }
+  /// O(o | a, s'): index is o.
+  [[nodiscard]] SparseRow observations(std::size_t action, std::size_t next_state) const
+  {
+    return observation_rows_.row(action * numStates() + next_state);
+  }
+  /// R(a, s): the expected immediate reward.
+  [[nodiscard]] double reward(std::size_t action, std::size_t state) const
+  {
+    return rewards_[action * numStates() + state];
+  }
+  /// R(a, .), shape [num_states].
+  [[nodiscard]] const double* rewards(std::size_t action) const
+  {
+    return rewards_.data() + action * numStates();
+  }
+
+  /// The same model started elsewhere.
+  /// @throws InvalidArgument  belief of another size
+  [[nodiscard]] Model withInitialBelief(Belief belief) const;
+
+private:
+  friend class ModelBuilder;
+  Model(NameTable states, NameTable actions, NameTable observations, Belief initial_belief);
+
+  NameTable states_;
+  NameTable actions_;
+  NameTable observations_;
+  double discount_ = 1.0;
+  Belief initial_belief_;
+  SparseRows transitions_;       // row: action * num_states + state
+  SparseRows observation_rows_;  // row: action * num_states + next state
+  std::vector<double> rewards_;  // row-major, shape [num_actions, num_states]
+};
+
+}  // namespace kr3::pomdp

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+
+#include "kr3_pomdp/model.hpp"
+
+namespace kr3::pomdp
+{
+
+/// Reads Cassandra's .pomdp format.
+///
+/// @param name  of the input, for messages
+/// @throws InvalidArgument  malformed; the message begins `name:line:column:` and says what was
+///                          found and what was expected
+/// Source: A. R. Cassandra, "POMDP file format", pomdp.org.
+[[nodiscard]] Model readPomdp(std::istream& in, const std::string& name);
+
+/// @throws Unavailable      the file cannot be opened or read
+/// @throws InvalidArgument  as above
+[[nodiscard]] Model loadPomdp(const std::string& path);
+
+/// Writes a model such that readPomdp gives the same model again, to the last bit.
+void writePomdp(std::ostream& out, const Model& model);
+
+}  // namespace kr3::pomdp

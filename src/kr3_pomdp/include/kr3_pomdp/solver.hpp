@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "kr3_pomdp/model.hpp"
+#include "kr3_pomdp/policy.hpp"
+
+namespace kr3::pomdp
+{
+
+/// When to stop; whichever comes first. With counted work alone a run repeats exactly.
+struct SolverLimits
+{
+  double precision = 1e-3;        ///< gap between the bounds at the initial belief, >= 0
+  double time_s = 0.0;            ///< wall time; 0 = no limit
+  std::uint64_t max_backups = 0;  ///< point-based backups; 0 = no limit
+};
+
+struct SolverProgress
+{
+  double lower;  ///< at the initial belief; never falls
+  double upper;  ///< at the initial belief; never rises
+  std::uint64_t backups;
+  std::size_t num_alpha_vectors;
+  double elapsed_s;
+};
+
+enum class StopReason
+{
+  kPrecision,
+  kTimeLimit,
+  kBackupLimit,
+  kCancelled,  ///< `keep_going` said no
+};
+
+/// "precision", "time limit", "backup limit", "cancelled".
+[[nodiscard]] const char* toString(StopReason reason);
+
+struct SolveResult
+{
+  Policy policy;
+  double lower;  ///< policy.valueAt(initial belief): what the policy earns at least
+  double upper;  ///< no policy earns more
+  std::uint64_t backups;
+  StopReason reason;
+  double elapsed_s;  ///< wall time
+  double cpu_s;      ///< CPU time of the calling thread
+};
+
+/// Called often (at least once per trial, never more than every few microseconds); false cancels.
+using ProgressCallback = std::function<bool(const SolverProgress&)>;
+
+/// Solves a model from its initial belief with lower and upper bounds, anytime: a cancelled run
+/// gives the best policy so far.
+///
+/// @param keep_going  may be empty
+/// @throws InvalidArgument  a limit that is negative or not finite, or no limit at all can end the
+///                          run (precision 0 without time, backups or callback); a discount of 1
+/// Sources: Smith and Simmons (2004, 2005), HSVI; Kurniawati, Hsu and Lee (2008), SARSOP;
+/// Hauskrecht (2000), fast informed bound and sawtooth.
+[[nodiscard]] SolveResult solve(const Model& model, const SolverLimits& limits,
+                                const ProgressCallback& keep_going = {});
+
+}  // namespace kr3::pomdp
