@@ -1,0 +1,1 @@
+"""Bring-up, demo and command line of KR3."""
