@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kr3_navigation/geometry.hpp"
+
+namespace kr3::navigation
+{
+
+/// Where a grid lies: square nodes of `resolution_m`, row-major, row 0 at the lowest y, column 0 at
+/// the lowest x.
+struct GridGeometry
+{
+  double resolution_m = 0.1;
+  Point origin;  ///< the lower left corner of node (0, 0), map frame
+  int width = 0;
+  int height = 0;
+
+  [[nodiscard]] std::size_t size() const
+  {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+  [[nodiscard]] int column(double x) const
+  {
+    return static_cast<int>(std::floor((x - origin.x) / resolution_m));
+  }
+  [[nodiscard]] int row(double y) const
+  {
+    return static_cast<int>(std::floor((y - origin.y) / resolution_m));
+  }
+  [[nodiscard]] bool isInside(int column, int row) const
+  {
+    return column >= 0 && row >= 0 && column < width && row < height;
+  }
+  [[nodiscard]] bool contains(Point p) const { return isInside(column(p.x), row(p.y)); }
+  /// Index of the node that holds p. Only for points with contains().
+  [[nodiscard]] int index(Point p) const { return row(p.y) * width + column(p.x); }
+  [[nodiscard]] Point center(int index) const
+  {
+    return {origin.x + (index % width + 0.5) * resolution_m,
+            origin.y + (index / width + 0.5) * resolution_m};
+  }
+};
+
+enum class Occupancy : std::uint8_t
+{
+  kUnknown,
+  kFree,
+  kOccupied,
+};
+
+/// A 2D map. Invariant: nodes.size() == geometry.size().
+struct OccupancyGrid
+{
+  GridGeometry geometry;
+  std::vector<Occupancy> nodes;
+};
+
+/// Distance to the nearest occupied node, m, between node centres; kFarDistance when nothing is
+/// occupied.
+struct DistanceField
+{
+  static constexpr float kFarDistance = 1.0e6F;
+
+  GridGeometry geometry;
+  std::vector<float> distance_m;  ///< shape [height, width], row-major
+
+  /// Bilinear between node centres; `outside_m` for points off the grid.
+  [[nodiscard]] double at(Point p, double outside_m) const
+  {
+    const double u = (p.x - geometry.origin.x) / geometry.resolution_m - 0.5;
+    const double v = (p.y - geometry.origin.y) / geometry.resolution_m - 0.5;
+    const double u_floor = std::floor(u);
+    const double v_floor = std::floor(v);
+    const int column = static_cast<int>(u_floor);
+    const int row = static_cast<int>(v_floor);
+    if (!(column >= 0 && row >= 0 && column + 1 < geometry.width && row + 1 < geometry.height))
+      return outside_m;
+    const auto first = static_cast<std::size_t>(row * geometry.width + column);
+    const auto above = first + static_cast<std::size_t>(geometry.width);
+    const double a = u - u_floor;
+    const double b = v - v_floor;
+    const auto value = [this](std::size_t node) { return static_cast<double>(distance_m[node]); };
+    return (1.0 - b) * ((1.0 - a) * value(first) + a * value(first + 1)) +
+           b * ((1.0 - a) * value(above) + a * value(above + 1));
+  }
+};
+
+[[nodiscard]] DistanceField distanceField(const OccupancyGrid& grid);
+
+}  // namespace kr3::navigation

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "kr3_navigation/laser_scan.hpp"
+#include "kr3_navigation/occupancy_grid.hpp"
+
+namespace kr3::navigation
+{
+
+struct ParticleFilterOptions
+{
+  int num_particles = 400;
+  int beam_step = 8;          ///< every eighth beam is used, each time a different eighth
+  double hit_sigma_m = 0.12;  ///< of the distance between a hit and the nearest obstacle of the map
+  double random_hit =
+      0.06;  ///< likelihood floor relative to a perfect hit: what the map does not know
+  double likelihood_power = 0.5;  ///< in (0, 1]: beams are not independent
+  // Noise of odometry: share of the distance driven and of the angle turned, and a floor per
+  // update.
+  double drive_noise = 0.08;
+  double turn_noise = 0.08;
+  double drive_floor_m = 0.002;
+  double turn_floor_rad = 0.004;
+};
+
+/// Standard deviations of a pose, m and rad.
+struct PoseSpread
+{
+  double position_m = 0.1;
+  double yaw_rad = 0.05;
+};
+
+struct PoseEstimate
+{
+  Pose mean;                           ///< map frame
+  std::array<double, 9> covariance{};  ///< x, y, yaw; row-major, shape [3, 3]
+  double mean_hit_distance_m =
+      0.0;  ///< of the last scan's hits from the map at the mean pose: how well they fit
+};
+
+/// Monte Carlo localisation with a likelihood field. The same seed and inputs give the same poses.
+/// Not thread-safe.
+/// Source: Thrun, Burgard and Fox, "Probabilistic Robotics" (2005), Table 6.3 (likelihood field),
+/// Table 8.2 (MCL); the likelihood of a scan is tempered by `likelihood_power`.
+class ParticleFilter
+{
+public:
+  /// @param field  distances to the map's obstacles
+  ParticleFilter(DistanceField field, const ParticleFilterOptions& options, std::uint64_t seed);
+
+  /// Starts again around a pose.
+  void reset(const Pose& mean, const PoseSpread& spread);
+
+  /// Moves every particle by the odometry since the last call.
+  /// @param T_before_now  the robot's pose now in its frame before
+  void predict(const Pose& T_before_now);
+
+  /// Weighs every particle by a scan, and resamples when few carry the weight.
+  /// Cost: about 1 ms for 400 particles and 45 beams.
+  void update(const LaserScan& scan, const Pose& T_base_laser);
+
+  [[nodiscard]] const PoseEstimate& estimate() const { return estimate_; }
+  /// Probability that the robot is inside a rectangle, by the particles' weights.
+  [[nodiscard]] double probabilityIn(const Rectangle& area) const;
+
+private:
+  struct Particle
+  {
+    Pose pose;
+    double weight;
+  };
+
+  void summarise();
+  void resample();
+
+  DistanceField field_;
+  ParticleFilterOptions options_;
+  std::mt19937_64 random_;
+  std::vector<Particle> particles_;
+  int first_beam_ = 0;
+  PoseEstimate estimate_;
+};
+
+}  // namespace kr3::navigation

@@ -1,0 +1,210 @@
+#include "kr3_navigation/driver.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace kr3::navigation
+{
+namespace
+{
+
+constexpr double kStill = 0.02;         // m/s
+constexpr double kStillTurning = 0.05;  // rad/s
+constexpr double kProgress = 0.05;      // m: what counts as getting nearer
+constexpr double kReaction = 0.15;      // s: age of a scan and of the last command
+constexpr double kMaxPeriod = 0.2;      // s: a longer gap between steps counts as this
+
+}  // namespace
+
+const char* toString(DrivePhase phase)
+{
+  switch (phase)
+  {
+    case DrivePhase::kIdle:
+      return "idle";
+    case DrivePhase::kPlanning:
+      return "planning";
+    case DrivePhase::kDriving:
+      return "driving";
+    case DrivePhase::kTurning:
+      return "turning";
+    case DrivePhase::kBlocked:
+      return "blocked";
+    case DrivePhase::kArrived:
+      return "arrived";
+    case DrivePhase::kUnreachable:
+      return "unreachable";
+  }
+  return "?";
+}
+
+void Driver::start(const DriveGoal& goal)
+{
+  goal_ = goal;
+  phase_ = DrivePhase::kPlanning;
+  reason_.clear();
+  follower_.reset();
+  nearest_remaining_m_ = std::numeric_limits<double>::infinity();
+  first_remaining_m_ = 0.0;
+  progress_ = 0.0;
+  replans_ = 0;
+}
+
+void Driver::cancel()
+{
+  phase_ = DrivePhase::kIdle;
+  follower_.reset();
+  current_ = Velocity{};
+  last_time_s_.reset();
+}
+
+const std::vector<Point>& Driver::path() const
+{
+  static const std::vector<Point> kNone;
+  return follower_ ? follower_->path() : kNone;
+}
+
+void Driver::giveUp(const std::string& reason)
+{
+  cancel();
+  phase_ = DrivePhase::kUnreachable;
+  reason_ = reason;
+}
+
+void Driver::arrive()
+{
+  cancel();
+  phase_ = DrivePhase::kArrived;
+  progress_ = 1.0;
+}
+
+void Driver::plan(const DriveInput& input)
+{
+  const bool first = phase_ == DrivePhase::kPlanning;
+  const PlannedPath path = input.planner.plan(input.pose.position(), goal_.position);
+  if (!path.found())
+  {
+    // What the map shows at the start is believed; on the way, an obstacle may be a passer-by.
+    if (first || ++replans_ > options_.max_replans)
+      giveUp(path.reason);
+    else
+    {
+      phase_ = DrivePhase::kBlocked;
+      blocked_since_s_ = input.time_s;
+    }
+    return;
+  }
+  follower_.emplace(path.points, options_.limits);
+  if (first)
+  {
+    first_remaining_m_ = path.length_m;
+    nearest_remaining_m_ = path.length_m;
+    nearest_time_s_ = input.time_s;
+  }
+  else if (++replans_ > options_.max_replans)
+  {
+    giveUp("gave up " + std::to_string(path.length_m).substr(0, 4) + " m before the goal after " +
+           std::to_string(options_.max_replans) + " attempts to get around obstacles");
+    return;
+  }
+  phase_ = DrivePhase::kDriving;
+}
+
+void Driver::noteProgress(const DriveInput& input, double remaining_m)
+{
+  if (remaining_m < nearest_remaining_m_ - kProgress)
+  {
+    nearest_remaining_m_ = remaining_m;
+    nearest_time_s_ = input.time_s;
+    replans_ = 0;
+  }
+  if (first_remaining_m_ > 0.0)
+    progress_ = std::clamp(1.0 - remaining_m / first_remaining_m_, progress_, 1.0);
+}
+
+Velocity Driver::step(const DriveInput& input)
+{
+  const double period =
+      last_time_s_ ? std::clamp(input.time_s - *last_time_s_, 0.0, kMaxPeriod) : 0.0;
+  last_time_s_ = input.time_s;
+
+  if (phase_ == DrivePhase::kPlanning)
+    plan(input);
+  else if (phase_ == DrivePhase::kBlocked &&
+           input.time_s - blocked_since_s_ >= options_.blocked_wait_s)
+    plan(input);
+  else if (phase_ == DrivePhase::kDriving && input.map_changed && !follower_->isFree(input.planner))
+    plan(input);
+  else if (phase_ == DrivePhase::kDriving && input.time_s - nearest_time_s_ > options_.stall_time_s)
+  {
+    nearest_time_s_ = input.time_s;
+    plan(input);
+  }
+
+  Velocity wanted;
+  if (phase_ == DrivePhase::kDriving)
+    wanted = drive(input);
+  if (phase_ == DrivePhase::kTurning)
+    wanted = turn(input);
+  if (!isActive())
+    return Velocity{};
+  current_ = limited(wanted, current_, period, options_.limits);
+
+  const bool still =
+      std::abs(current_.linear) < kStill && std::abs(current_.angular) < kStillTurning;
+  if (phase_ == DrivePhase::kTurning && still &&
+      std::abs(wrapAngle(*goal_.yaw_rad - input.pose.yaw)) < options_.yaw_tolerance_rad)
+    arrive();
+  return isActive() ? current_ : Velocity{};
+}
+
+Velocity Driver::drive(const DriveInput& input)
+{
+  const double remaining = follower_->remaining(input.pose);
+  noteProgress(input, remaining);
+  if (distance(input.pose.position(), goal_.position) < options_.position_tolerance_m)
+  {
+    if (goal_.yaw_rad)
+      phase_ = DrivePhase::kTurning;
+    else if (std::abs(current_.linear) < 0.1)
+      arrive();
+    return {};
+  }
+  Velocity wanted = follower_->follow(input.pose, input.planner);
+  // Slow down so that the robot can stand still before an obstacle ahead.
+  const double reach = options_.stop_margin_m + options_.stop_distance_m;
+  const double ahead = freeDistance(wanted, input.obstacles_base, options_.robot_radius_m, reach);
+  if (ahead < reach)
+  {
+    const double a = options_.limits.linear_acceleration;
+    const double room = std::max(0.0, ahead - options_.stop_margin_m);
+    const double allowed = a * (std::sqrt(kReaction * kReaction + 2.0 * room / a) - kReaction);
+    if (allowed < wanted.linear)
+    {
+      wanted.angular *= allowed / wanted.linear;
+      wanted.linear = allowed;
+    }
+    if (allowed < kStill)
+    {
+      phase_ = DrivePhase::kBlocked;
+      blocked_since_s_ = input.time_s;
+      current_.linear = 0.0;  // an emergency knows no comfortable deceleration
+      return {};
+    }
+  }
+  return wanted;
+}
+
+Velocity Driver::turn(const DriveInput& input) const
+{
+  const double error = wrapAngle(*goal_.yaw_rad - input.pose.yaw);
+  if (std::abs(error) < options_.yaw_tolerance_rad / 2.0)
+    return {};
+  // The speed from which it can just stop in time.
+  const double speed =
+      std::min({options_.limits.max_angular, 1.5 * std::abs(error) + 0.05,
+                std::sqrt(options_.limits.angular_acceleration * std::abs(error))});
+  return {0.0, std::copysign(speed, error)};
+}
+
+}  // namespace kr3::navigation

@@ -1,0 +1,244 @@
+#include "kr3_navigation/occupancy_map.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include <octomap/OcTree.h>
+
+#include <kr3_common/error.hpp>
+
+namespace kr3::navigation
+{
+
+struct OccupancyMap::Impl
+{
+  explicit Impl(const OccupancyMapOptions& options) : tree(options.resolution_m)
+  {
+    configure(options);
+  }
+
+  void configure(const OccupancyMapOptions& options)
+  {
+    tree.setProbHit(options.probability_hit);
+    tree.setProbMiss(options.probability_miss);
+    tree.enableChangeDetection(true);
+  }
+
+  octomap::OcTree tree;
+};
+
+namespace
+{
+
+void checkOptions(const OccupancyMapOptions& options)
+{
+  if (!(options.resolution_m > 0.0))
+    throw InvalidArgument("map resolution " + std::to_string(options.resolution_m) +
+                          " m, expected > 0");
+  if (!(options.probability_hit > 0.5 && options.probability_hit < 1.0))
+    throw InvalidArgument("probability of a hit " + std::to_string(options.probability_hit) +
+                          ", expected in (0.5, 1)");
+  if (!(options.probability_miss > 0.0 && options.probability_miss < 0.5))
+    throw InvalidArgument("probability of a miss " + std::to_string(options.probability_miss) +
+                          ", expected in (0, 0.5)");
+}
+
+/// The end of each beam in the map, OctoMap's input: hits, and for beams without a return a point
+/// beyond the range.
+octomap::Pointcloud cloudOf(const LaserScan& scan, const Pose& T_map_laser, double height_m,
+                            double max_range_m)
+{
+  octomap::Pointcloud cloud;
+  cloud.reserve(scan.ranges_m.size());
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam)
+  {
+    double range = static_cast<double>(scan.ranges_m[beam]);
+    if (std::isnan(range) || range < scan.range_min_m)
+      continue;
+    if (!scan.isHit(beam))
+    {
+      if (scan.range_max_m < max_range_m)
+        continue;  // the laser itself sees less far: nothing is known of the rest
+      range = max_range_m * 1.01;
+    }
+    const double angle = T_map_laser.yaw + scan.angle(beam);
+    cloud.push_back(static_cast<float>(T_map_laser.x + range * std::cos(angle)),
+                    static_cast<float>(T_map_laser.y + range * std::sin(angle)),
+                    static_cast<float>(height_m));
+  }
+  return cloud;
+}
+
+}  // namespace
+
+OccupancyMap::OccupancyMap(const OccupancyMapOptions& options)
+{
+  checkOptions(options);
+  impl_ = std::make_unique<Impl>(options);
+}
+
+OccupancyMap::OccupancyMap(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+OccupancyMap::OccupancyMap(OccupancyMap&&) noexcept = default;
+OccupancyMap& OccupancyMap::operator=(OccupancyMap&&) noexcept = default;
+OccupancyMap::~OccupancyMap() = default;
+
+OccupancyMap OccupancyMap::load(const std::filesystem::path& path,
+                                const OccupancyMapOptions& options)
+{
+  checkOptions(options);
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+    throw Unavailable("cannot open the map " + path.string());
+  auto impl = std::make_unique<Impl>(options);
+  if (!impl->tree.readBinary(file) || impl->tree.size() == 0)
+    throw InvalidArgument(path.string() + " is not a binary OctoMap file (.bt)");
+  impl->configure(options);
+  return OccupancyMap(std::move(impl));
+}
+
+void OccupancyMap::insertScan(const LaserScan& scan, const Pose& T_map_laser, double height_m,
+                              double max_range_m, const DistanceField* known,
+                              double known_distance_m)
+{
+  octomap::OcTree& tree = impl_->tree;
+  const octomap::point3d origin(static_cast<float>(T_map_laser.x),
+                                static_cast<float>(T_map_laser.y), static_cast<float>(height_m));
+  octomap::KeySet free_keys;
+  octomap::KeySet hit_keys;
+  tree.computeUpdate(cloudOf(scan, T_map_laser, height_m, max_range_m), origin, free_keys, hit_keys,
+                     max_range_m);
+
+  octomap::KeySet guarded;
+  for (const octomap::OcTreeKey& key : hit_keys)
+  {
+    for (int dx = -1; dx <= 1; ++dx)
+    {
+      for (int dy = -1; dy <= 1; ++dy)
+        guarded.insert(octomap::OcTreeKey(static_cast<octomap::key_type>(key[0] + dx),
+                                          static_cast<octomap::key_type>(key[1] + dy), key[2]));
+    }
+  }
+  for (const octomap::OcTreeKey& key : free_keys)
+  {
+    if (guarded.count(key) == 0)
+      tree.updateNode(key, false);
+  }
+  for (const octomap::OcTreeKey& key : hit_keys)
+  {
+    if (known != nullptr)
+    {
+      const octomap::point3d center = tree.keyToCoord(key);
+      const Point p{static_cast<double>(center.x()), static_cast<double>(center.y())};
+      if (known->at(p, DistanceField::kFarDistance) < known_distance_m)
+      {
+        const octomap::OcTreeNode* node = tree.search(key);
+        if (node == nullptr || !tree.isNodeOccupied(node))
+          continue;
+      }
+    }
+    tree.updateNode(key, true);
+  }
+}
+
+bool OccupancyMap::hasChanges() const
+{
+  return impl_->tree.numChangesDetected() > 0;
+}
+void OccupancyMap::clearChanges()
+{
+  impl_->tree.resetChangeDetection();
+}
+double OccupancyMap::resolution() const
+{
+  return impl_->tree.getResolution();
+}
+std::size_t OccupancyMap::numLeaves() const
+{
+  return impl_->tree.getNumLeafNodes();
+}
+
+OccupancyGrid OccupancyMap::project(double z_min_m, double z_max_m, const Rectangle& area) const
+{
+  const octomap::OcTree& tree = impl_->tree;
+  const double resolution = tree.getResolution();
+  Rectangle extent = area;
+  if (tree.size() > 0)
+  {
+    double x = 0.0, y = 0.0, z = 0.0;
+    tree.getMetricMin(x, y, z);
+    extent.x_min = std::min(extent.x_min, x);
+    extent.y_min = std::min(extent.y_min, y);
+    tree.getMetricMax(x, y, z);
+    extent.x_max = std::max(extent.x_max, x);
+    extent.y_max = std::max(extent.y_max, y);
+  }
+  // Grid nodes coincide with the tree's nodes, whose borders are multiples of the resolution.
+  const int first_column = static_cast<int>(std::floor(extent.x_min / resolution + 1e-6));
+  const int first_row = static_cast<int>(std::floor(extent.y_min / resolution + 1e-6));
+  OccupancyGrid grid;
+  grid.geometry.resolution_m = resolution;
+  grid.geometry.origin = {first_column * resolution, first_row * resolution};
+  grid.geometry.width =
+      static_cast<int>(std::ceil(extent.x_max / resolution - 1e-6)) - first_column;
+  grid.geometry.height = static_cast<int>(std::ceil(extent.y_max / resolution - 1e-6)) - first_row;
+  grid.nodes.assign(grid.geometry.size(), Occupancy::kUnknown);
+  if (tree.size() == 0)
+    return grid;
+
+  for (auto leaf = tree.begin_leafs(), end = tree.end_leafs(); leaf != end; ++leaf)
+  {
+    const double half = leaf.getSize() / 2.0;
+    if (leaf.getZ() + half <= z_min_m || leaf.getZ() - half >= z_max_m)
+      continue;
+    const Occupancy value = tree.isNodeOccupied(*leaf) ? Occupancy::kOccupied : Occupancy::kFree;
+    const int count = static_cast<int>(std::lround(leaf.getSize() / resolution));
+    const int column =
+        static_cast<int>(std::lround((leaf.getX() - half) / resolution)) - first_column;
+    const int row = static_cast<int>(std::lround((leaf.getY() - half) / resolution)) - first_row;
+    for (int r = row; r < row + count; ++r)
+    {
+      for (int c = column; c < column + count; ++c)
+      {
+        if (!grid.geometry.isInside(c, r))
+          continue;
+        Occupancy& node = grid.nodes[static_cast<std::size_t>(r * grid.geometry.width + c)];
+        node = std::max(node, value);  // unknown < free < occupied
+      }
+    }
+  }
+  return grid;
+}
+
+std::vector<std::uint8_t> OccupancyMap::toBinary() const
+{
+  octomap::OcTree copy(
+      impl_->tree);  // writing rounds the probabilities, which the living map must keep
+  copy.toMaxLikelihood();
+  copy.prune();
+  std::ostringstream stream;
+  if (!copy.writeBinaryConst(stream))
+    throw InternalError("OctoMap could not serialise the map");
+  const std::string bytes = stream.str();
+  return {bytes.begin(), bytes.end()};
+}
+
+void OccupancyMap::save(const std::filesystem::path& path) const
+{
+  const std::vector<std::uint8_t> bytes = toBinary();
+  const std::filesystem::path partial = path.string() + ".partial";
+  {
+    std::ofstream file(partial, std::ios::binary | std::ios::trunc);
+    file.write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (!file)
+      throw Unavailable("cannot write the map " + partial.string());
+  }
+  std::error_code error;
+  std::filesystem::rename(partial, path, error);
+  if (error)
+    throw Unavailable("cannot write the map " + path.string() + ": " + error.message());
+}
+
+}  // namespace kr3::navigation

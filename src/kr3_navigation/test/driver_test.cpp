@@ -1,0 +1,155 @@
+#include "kr3_navigation/driver.hpp"
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "kr3_navigation/occupancy_map.hpp"
+#include "synthetic_world.hpp"
+
+namespace kr3::navigation
+{
+namespace
+{
+
+/// A kinematic robot in a synthetic world whose map is revised like the node's.
+class DriveTest : public ::testing::Test
+{
+protected:
+  explicit DriveTest() : map_(OccupancyMapOptions{})
+  {
+    for (double x = 0.5; x < 7.5; x += 0.1)
+    {
+      const Pose pose{x, 2.0, 0.3 * x};
+      map_.insertScan(world_.scan(pose, random_), pose, 0.3, 8.0);
+    }
+    revise();
+  }
+
+  void revise()
+  {
+    planner_ =
+        std::make_unique<PathPlanner>(map_.project(0.2, 0.4, kTwoRoomsArea), PathPlannerOptions{});
+  }
+
+  /// Runs until the driver is done; returns the least distance to any box.
+  double run(Driver& driver, double time_limit_s, double appear_s = 1e9,
+             const Rectangle& appears = {})
+  {
+    double clearance = 1e9;
+    bool appeared = false;
+    const double end = time_ + time_limit_s;
+    for (int tick = 0; driver.isActive() && time_ < end; ++tick)
+    {
+      if (!appeared && time_ >= appear_s)
+      {
+        world_.boxes.push_back(appears);
+        appeared = true;
+      }
+      if (tick % 2 == 0)
+      {
+        const LaserScan scan = world_.scan(pose_, random_);
+        obstacles_ = hitPoints(scan, Pose{});
+        map_.insertScan(scan, pose_, 0.3, 4.0);
+      }
+      const bool changed = tick % 10 == 0;
+      if (changed)
+        revise();
+      const Velocity velocity = driver.step({time_, pose_, *planner_, obstacles_, changed});
+      EXPECT_LE(std::abs(velocity.linear), 0.5 + 1e-9);
+      EXPECT_LE(std::abs(velocity.angular), 1.2 + 1e-9);
+      pose_ = pose_ * Pose{velocity.linear * kPeriod, 0.0, velocity.angular * kPeriod};
+      time_ += kPeriod;
+      for (const Rectangle& box : world_.boxes)
+        clearance = std::min(clearance, box.distanceTo(pose_.position()));
+    }
+    return clearance;
+  }
+
+  static constexpr double kPeriod = 0.05;
+  SyntheticWorld world_ = SyntheticWorld::twoRooms();
+  std::mt19937_64 random_{1};
+  OccupancyMap map_;
+  std::unique_ptr<PathPlanner> planner_;
+  std::vector<Point> obstacles_;
+  Pose pose_{2.0, 3.0, M_PI};
+  double time_ = 0.0;
+};
+
+TEST_F(DriveTest, ArrivesAtPoseWithinTolerance)
+{
+  Driver driver{DriverOptions{}};
+  driver.start({{6.5, 1.0}, -1.0});
+  const double clearance = run(driver, 60.0);
+  EXPECT_EQ(driver.phase(), DrivePhase::kArrived) << driver.reason();
+  EXPECT_LT(distance(pose_.position(), {6.5, 1.0}), 0.12);
+  EXPECT_LT(std::abs(wrapAngle(pose_.yaw + 1.0)), 0.08);
+  EXPECT_GT(clearance, 0.24);
+  EXPECT_LT(time_, 25.0);
+  EXPECT_EQ(driver.progress(), 1.0);
+}
+
+TEST_F(DriveTest, GoesAroundAnObstacleThatAppears)
+{
+  Driver driver{DriverOptions{}};
+  driver.start({{6.5, 2.0}, std::nullopt});
+  const double clearance = run(driver, 90.0, 7.0, {5.2, 1.7, 5.5, 2.3});
+  EXPECT_EQ(driver.phase(), DrivePhase::kArrived) << driver.reason();
+  EXPECT_GT(clearance, 0.2);
+}
+
+TEST_F(DriveTest, GivesUpWhenTheDoorIsShutAndSaysWhy)
+{
+  Driver driver{DriverOptions{}};
+  driver.start({{6.5, 2.0}, std::nullopt});
+  const double clearance = run(driver, 200.0, 1.0, {3.95, 1.5, 4.05, 2.5});
+  EXPECT_EQ(driver.phase(), DrivePhase::kUnreachable);
+  EXPECT_FALSE(driver.reason().empty());
+  EXPECT_GT(clearance, 0.2);
+  EXPECT_LT(time_, 60.0);
+}
+
+TEST_F(DriveTest, RefusesAGoalInAnObstacleAtOnce)
+{
+  Driver driver{DriverOptions{}};
+  driver.start({{1.2, 0.8}, std::nullopt});
+  const Velocity velocity = driver.step({0.0, pose_, *planner_, obstacles_, false});
+  EXPECT_EQ(driver.phase(), DrivePhase::kUnreachable);
+  EXPECT_EQ(velocity.linear, 0.0);
+  EXPECT_EQ(velocity.angular, 0.0);
+}
+
+TEST_F(DriveTest, ANewGoalReplacesTheOld)
+{
+  Driver driver{DriverOptions{}};
+  driver.start({{6.5, 2.0}, std::nullopt});
+  run(driver, 3.0);
+  driver.start({{1.0, 3.0}, std::nullopt});
+  run(driver, 60.0);
+  EXPECT_EQ(driver.phase(), DrivePhase::kArrived);
+  EXPECT_LT(distance(pose_.position(), {1.0, 3.0}), 0.12);
+}
+
+TEST(FreeDistance, IsMeasuredAlongTheArc)
+{
+  const std::vector<Point> ahead{{1.0, 0.0}};
+  EXPECT_NEAR(freeDistance({0.5, 0.0}, ahead, 0.25, 2.0), 0.75, 0.05);
+  EXPECT_NEAR(freeDistance({0.5, 1.0}, ahead, 0.25, 1.0), 1.0, 1e-9);   // turns away to the left
+  EXPECT_NEAR(freeDistance({-0.2, 0.0}, ahead, 0.25, 1.0), 1.0, 1e-9);  // backs off
+  EXPECT_NEAR(freeDistance({0.0, 1.0}, ahead, 0.25, 1.0), 1.0, 1e-9);
+  // Touching at the side does not hold the robot, touching in front does.
+  EXPECT_NEAR(freeDistance({0.5, 0.0}, {{-0.05, 0.2}}, 0.25, 1.0), 1.0, 1e-9);
+  EXPECT_NEAR(freeDistance({0.5, 0.0}, {{0.2, 0.0}}, 0.25, 1.0), 0.0, 1e-9);
+}
+
+TEST(Limited, KeepsSpeedsAndAccelerations)
+{
+  const MotionLimits limits;
+  const Velocity v = limited({2.0, -9.0}, {0.4, 0.0}, 0.05, limits);
+  EXPECT_NEAR(v.linear, 0.44, 1e-9);
+  EXPECT_NEAR(v.angular, -0.15, 1e-9);
+  EXPECT_NEAR(limited({2.0, 0.0}, {0.49, 0.0}, 0.05, limits).linear, 0.5, 1e-9);
+}
+
+}  // namespace
+}  // namespace kr3::navigation

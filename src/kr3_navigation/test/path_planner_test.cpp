@@ -1,0 +1,154 @@
+#include "kr3_navigation/path_planner.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "synthetic_world.hpp"
+
+namespace kr3::navigation
+{
+namespace
+{
+
+PathPlanner twoRoomsPlanner(double clearance_weight = 4.0)
+{
+  PathPlannerOptions options;
+  options.clearance_weight = clearance_weight;
+  return {SyntheticWorld::twoRooms().grid(kTwoRoomsArea), options};
+}
+
+/// A map of scattered obstacles.
+OccupancyGrid scattered(std::mt19937_64& random)
+{
+  SyntheticWorld world;
+  std::uniform_real_distribution<double> position(0.0, 8.0);
+  for (int i = 0; i < 25; ++i)
+  {
+    const Point corner{position(random), position(random)};
+    world.boxes.push_back({corner.x, corner.y, corner.x + 0.4, corner.y + 0.4});
+  }
+  return world.grid({0.0, 0.0, 8.0, 8.0});
+}
+
+Point randomFree(const PathPlanner& planner, std::mt19937_64& random)
+{
+  std::uniform_int_distribution<int> node(0, static_cast<int>(planner.geometry().size()) - 1);
+  for (;;)
+  {
+    const int candidate = node(random);
+    if (planner.isFree(candidate))
+      return planner.geometry().center(candidate);
+  }
+}
+
+TEST(PathPlanner, WithoutClearanceCostIsAsShortAsDijkstra)
+{
+  std::mt19937_64 random(7);
+  for (int map = 0; map < 10; ++map)
+  {
+    PathPlannerOptions options;
+    options.clearance_weight = 0.0;
+    const PathPlanner planner(scattered(random), options);
+    const Point start = randomFree(planner, random);
+    const std::vector<double> lengths = planner.distancesFrom(start);
+    for (int i = 0; i < 20; ++i)
+    {
+      const Point goal = randomFree(planner, random);
+      const double shortest = lengths[static_cast<std::size_t>(planner.geometry().index(goal))];
+      const PlannedPath path = planner.plan(start, goal);
+      if (shortest == std::numeric_limits<double>::infinity())
+      {
+        EXPECT_FALSE(path.found());
+        EXPECT_FALSE(path.reason.empty());
+        continue;
+      }
+      ASSERT_TRUE(path.found()) << path.reason;
+      EXPECT_NEAR(path.length_m, shortest, 1e-9);
+      EXPECT_NEAR(path.cost, shortest, 1e-9);
+    }
+  }
+}
+
+TEST(PathPlanner, NeverPassesThroughInflatedObstacles)
+{
+  std::mt19937_64 random(8);
+  for (int map = 0; map < 10; ++map)
+  {
+    const OccupancyGrid grid = scattered(random);
+    const PathPlanner planner(grid, PathPlannerOptions{});
+    for (int i = 0; i < 20; ++i)
+    {
+      const PlannedPath path =
+          planner.plan(randomFree(planner, random), randomFree(planner, random));
+      for (const Point& point : path.points)
+      {
+        // The law itself, checked against every obstacle of the map.
+        for (std::size_t node = 0; node < grid.nodes.size(); ++node)
+        {
+          if (grid.nodes[node] == Occupancy::kOccupied)
+          {
+            ASSERT_GE(distance(point, grid.geometry.center(static_cast<int>(node))), 0.28 - 1e-6);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(PathPlanner, GoesThroughTheMiddleOfTheDoor)
+{
+  const PlannedPath path = twoRoomsPlanner().plan({2.0, 3.0}, {6.0, 3.0});
+  ASSERT_TRUE(path.found());
+  EXPECT_DOUBLE_EQ(path.points.front().x, 2.0);
+  EXPECT_DOUBLE_EQ(path.points.back().x, 6.0);
+  for (const Point& point : path.points)
+  {
+    if (std::abs(point.x - 4.0) < 0.06)
+    {
+      EXPECT_NEAR(point.y, 2.0, 0.2);
+    }
+  }
+}
+
+TEST(PathPlanner, SaysWhyThereIsNoPath)
+{
+  const PathPlanner planner = twoRoomsPlanner();
+  EXPECT_NE(planner.plan({2.0, 2.0}, {50.0, 2.0}).reason.find("outside the map"),
+            std::string::npos);
+  EXPECT_NE(planner.plan({2.0, 2.0}, {1.0, 0.8}).reason.find("from an obstacle"),
+            std::string::npos);
+
+  SyntheticWorld closed = SyntheticWorld::twoRooms();
+  closed.boxes.push_back({3.95, 1.4, 4.05, 2.6});
+  const PathPlanner shut(closed.grid(kTwoRoomsArea), PathPlannerOptions{});
+  EXPECT_NE(shut.plan({2.0, 2.0}, {6.0, 2.0}).reason.find("no free path"), std::string::npos);
+}
+
+TEST(PathPlanner, LeadsOutOfTheInflation)
+{
+  const PathPlanner planner = twoRoomsPlanner();
+  const Point start{2.0, 0.15};  // 0.2 m from the wall's nodes
+  ASSERT_FALSE(planner.isFree(start));
+  const PlannedPath path = planner.plan(start, {2.0, 2.0});
+  ASSERT_TRUE(path.found()) << path.reason;
+  EXPECT_LT(distance(path.points[1], start), 0.3);
+  EXPECT_TRUE(planner.isFree(path.points[1]));
+}
+
+TEST(PathPlanner, UnknownSpaceIsBlockedUnlessAMapIsBuilt)
+{
+  OccupancyGrid grid = SyntheticWorld::twoRooms().grid(kTwoRoomsArea);
+  for (std::size_t node = 0; node < grid.nodes.size(); ++node)
+  {
+    if (grid.geometry.center(static_cast<int>(node)).x > 5.0)
+      grid.nodes[node] = Occupancy::kUnknown;
+  }
+  PathPlannerOptions options;
+  EXPECT_FALSE(PathPlanner(grid, options).plan({2.0, 2.0}, {6.0, 2.0}).found());
+  options.unknown_is_free = true;
+  EXPECT_TRUE(PathPlanner(grid, options).plan({2.0, 2.0}, {6.0, 2.0}).found());
+}
+
+}  // namespace
+}  // namespace kr3::navigation
