@@ -60,11 +60,17 @@ public:
   void setReward(std::size_t action, std::size_t state, std::size_t next_state,
                  std::size_t observation, double value);
 
+  /// What a row of T or O sums to so far.
+  /// @throws InvalidArgument  out of range
+  [[nodiscard]] double transitionSum(std::size_t action, std::size_t state) const;
+  [[nodiscard]] double observationSum(std::size_t action, std::size_t next_state) const;
+
   /// The finished model; rows are normalised exactly.
   ///
-  /// @throws InvalidArgument  a row of T or O, or the initial belief, that does not sum to 1 within
-  ///                          1e-6 or has an entry outside [0, 1]; the message names the row
-  [[nodiscard]] Model build() const;
+  /// @param sum_tolerance  how far from 1 a row of T or O may sum
+  /// @throws InvalidArgument  a row of T or O off by more, an initial belief off by more than 1e-6,
+  ///                          or an entry outside [0, 1]; the message names the row
+  [[nodiscard]] Model build(double sum_tolerance = 1e-6) const;
 
 private:
   struct RewardRule

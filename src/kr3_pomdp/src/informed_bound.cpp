@@ -1,0 +1,208 @@
+#include "informed_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kr3::pomdp
+{
+
+namespace
+{
+
+constexpr int kMaxSweeps = 4000;
+constexpr int kMaxInformedSweeps = 400;
+constexpr double kTolerance = 1e-6;  // relative to the range of values
+
+struct RewardRange
+{
+  double least = std::numeric_limits<double>::infinity();
+  double greatest = -std::numeric_limits<double>::infinity();
+  [[nodiscard]] double scale() const
+  {
+    return std::max({1e-12, std::abs(least), std::abs(greatest)});
+  }
+};
+
+RewardRange rewardRange(const ObservedModel& model)
+{
+  RewardRange range;
+  for (const StateClass& state_class : model.classes())
+  {
+    for (const ClassAction& action : state_class.actions)
+    {
+      for (const double reward : action.rewards)
+      {
+        range.least = std::min(range.least, reward);
+        range.greatest = std::max(range.greatest, reward);
+      }
+    }
+  }
+  return range;
+}
+
+InformedVectors filled(const ObservedModel& model, double value)
+{
+  InformedVectors vectors(model.classes().size());
+  for (std::size_t c = 0; c < vectors.size(); ++c)
+  {
+    vectors[c].assign(model.numActions(),
+                      std::vector<double>(model.classes()[c].states.size(), value));
+  }
+  return vectors;
+}
+
+double greatestAt(const std::vector<std::vector<double>>& vectors, std::size_t state)
+{
+  double greatest = -std::numeric_limits<double>::infinity();
+  for (const std::vector<double>& vector : vectors)
+  {
+    greatest = std::max(greatest, vector[state]);
+  }
+  return greatest;
+}
+
+/// Q of the fully observed model, in place (each new value is used at once, which stays above).
+double observedSweep(const ObservedModel& model, std::vector<std::vector<double>>& values,
+                     InformedVectors& vectors)
+{
+  double change = 0.0;
+  for (std::size_t c = model.classes().size(); c-- > 0;)
+  {
+    const StateClass& state_class = model.classes()[c];
+    for (std::size_t a = 0; a < state_class.actions.size(); ++a)
+    {
+      const ClassAction& action = state_class.actions[a];
+      for (std::size_t s = 0; s < state_class.states.size(); ++s)
+      {
+        double sum = 0.0;
+        for (const Branch& branch : action.branches)
+        {
+          for (const SparseEntry& next : branch.joint.row(s))
+          {
+            sum += next.probability * values[branch.target_class][next.index];
+          }
+        }
+        vectors[c][a][s] = std::min(vectors[c][a][s], action.rewards[s] + model.discount() * sum);
+      }
+    }
+    for (std::size_t s = 0; s < state_class.states.size(); ++s)
+    {
+      const double value = greatestAt(vectors[c], s);
+      change = std::max(change, values[c][s] - value);
+      values[c][s] = value;
+    }
+  }
+  return change;
+}
+
+double informedSweep(const ObservedModel& model, InformedVectors& vectors)
+{
+  double change = 0.0;
+  for (std::size_t c = model.classes().size(); c-- > 0;)
+  {
+    const StateClass& state_class = model.classes()[c];
+    for (std::size_t a = 0; a < state_class.actions.size(); ++a)
+    {
+      const ClassAction& action = state_class.actions[a];
+      for (std::size_t s = 0; s < state_class.states.size(); ++s)
+      {
+        double sum = 0.0;
+        for (const Branch& branch : action.branches)
+        {
+          const SparseRow row = branch.joint.row(s);
+          if (row.size() == 0)
+          {
+            continue;
+          }
+          double greatest = -std::numeric_limits<double>::infinity();
+          for (const std::vector<double>& vector : vectors[branch.target_class])
+          {
+            double value = 0.0;
+            for (const SparseEntry& next : row)
+            {
+              value += next.probability * vector[next.index];
+            }
+            greatest = std::max(greatest, value);
+          }
+          sum += greatest;
+        }
+        double& entry = vectors[c][a][s];
+        const double value = std::min(entry, action.rewards[s] + model.discount() * sum);
+        change = std::max(change, entry - value);
+        entry = value;
+      }
+    }
+  }
+  return change;
+}
+
+}  // namespace
+
+InformedVectors informedBound(const ObservedModel& model, const std::function<bool()>& keep_going)
+{
+  const RewardRange range = rewardRange(model);
+  const double top = range.greatest / (1.0 - model.discount());
+  InformedVectors vectors = filled(model, top);
+  std::vector<std::vector<double>> values;
+  for (const StateClass& state_class : model.classes())
+  {
+    values.emplace_back(state_class.states.size(), top);
+  }
+  const double enough = kTolerance * range.scale();
+  for (int i = 0; i < kMaxSweeps && keep_going(); ++i)
+  {
+    if (observedSweep(model, values, vectors) < enough)
+    {
+      break;
+    }
+  }
+  for (int i = 0; i < kMaxInformedSweeps && keep_going(); ++i)
+  {
+    if (informedSweep(model, vectors) < 1e2 * enough)
+    {
+      break;
+    }
+  }
+  return vectors;
+}
+
+InformedVectors blindBound(const ObservedModel& model, const std::function<bool()>& keep_going)
+{
+  const RewardRange range = rewardRange(model);
+  InformedVectors vectors = filled(model, range.least / (1.0 - model.discount()));
+  for (int i = 0; i < kMaxSweeps && keep_going(); ++i)
+  {
+    double change = 0.0;
+    for (std::size_t c = model.classes().size(); c-- > 0;)
+    {
+      const StateClass& state_class = model.classes()[c];
+      for (std::size_t a = 0; a < state_class.actions.size(); ++a)
+      {
+        const ClassAction& action = state_class.actions[a];
+        for (std::size_t s = 0; s < state_class.states.size(); ++s)
+        {
+          double sum = 0.0;
+          for (const Branch& branch : action.branches)
+          {
+            for (const SparseEntry& next : branch.joint.row(s))
+            {
+              sum += next.probability * vectors[branch.target_class][a][next.index];
+            }
+          }
+          double& entry = vectors[c][a][s];
+          const double value = std::max(entry, action.rewards[s] + model.discount() * sum);
+          change = std::max(change, value - entry);
+          entry = value;
+        }
+      }
+    }
+    if (change < kTolerance * range.scale())
+    {
+      break;
+    }
+  }
+  return vectors;
+}
+
+}  // namespace kr3::pomdp

@@ -1,0 +1,191 @@
+#include "observed_model.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace kr3::pomdp
+{
+
+namespace
+{
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+class UnionFind
+{
+public:
+  explicit UnionFind(std::size_t size) : parent_(size)
+  {
+    std::iota(parent_.begin(), parent_.end(), 0U);
+  }
+  std::uint32_t find(std::uint32_t i)
+  {
+    while (parent_[i] != i)
+    {
+      parent_[i] = parent_[parent_[i]];
+      i = parent_[i];
+    }
+    return i;
+  }
+  /// Whether they were apart.
+  bool unite(std::uint32_t i, std::uint32_t j)
+  {
+    i = find(i);
+    j = find(j);
+    parent_[std::max(i, j)] = std::min(i, j);
+    return i != j;
+  }
+
+private:
+  std::vector<std::uint32_t> parent_;
+};
+
+std::vector<std::uint32_t> reachableStates(const Model& model)
+{
+  std::vector<bool> seen(model.numStates(), false);
+  std::vector<std::uint32_t> open;
+  for (std::uint32_t s = 0; s < model.numStates(); ++s)
+  {
+    if (model.initialBelief()[s] > 0.0)
+    {
+      seen[s] = true;
+      open.push_back(s);
+    }
+  }
+  for (std::size_t i = 0; i < open.size(); ++i)
+  {
+    for (std::size_t a = 0; a < model.numActions(); ++a)
+    {
+      for (const SparseEntry& next : model.transitions(a, open[i]))
+      {
+        if (!seen[next.index])
+        {
+          seen[next.index] = true;
+          open.push_back(next.index);
+        }
+      }
+    }
+  }
+  std::sort(open.begin(), open.end());
+  return open;
+}
+
+/// Merges until every class, action and observation leads into one class.
+UnionFind partition(const Model& model, const std::vector<std::uint32_t>& states)
+{
+  UnionFind classes(model.numStates());
+  std::uint32_t first = kNone;
+  for (const std::uint32_t s : states)
+  {
+    if (model.initialBelief()[s] > 0.0)
+    {
+      first = first == kNone ? s : first;
+      classes.unite(first, s);
+    }
+  }
+  std::vector<std::uint32_t> leads_to(model.numStates() * model.numObservations());
+  for (bool changed = true; changed;)
+  {
+    changed = false;
+    for (std::size_t a = 0; a < model.numActions(); ++a)
+    {
+      std::fill(leads_to.begin(), leads_to.end(), kNone);
+      for (const std::uint32_t s : states)
+      {
+        const std::size_t row = classes.find(s) * model.numObservations();
+        for (const SparseEntry& next : model.transitions(a, s))
+        {
+          for (const SparseEntry& seen : model.observations(a, next.index))
+          {
+            std::uint32_t& target = leads_to[row + seen.index];
+            target = target == kNone ? next.index : target;
+            changed = classes.unite(target, next.index) || changed;
+          }
+        }
+      }
+    }
+  }
+  return classes;
+}
+
+}  // namespace
+
+ObservedModel::ObservedModel(const Model& model) : model_(&model)
+{
+  const std::vector<std::uint32_t> states = reachableStates(model);
+  UnionFind unions = partition(model, states);
+  std::vector<std::uint32_t> class_of(model.numStates(), kNone);
+  std::vector<std::uint32_t> local_of(model.numStates(), 0);
+  std::vector<std::uint32_t> class_of_root(model.numStates(), kNone);
+  const auto place = [&](std::uint32_t s) {
+    std::uint32_t& index = class_of_root[unions.find(s)];
+    if (index == kNone)
+    {
+      index = static_cast<std::uint32_t>(classes_.size());
+      classes_.emplace_back();
+    }
+    class_of[s] = index;
+    local_of[s] = static_cast<std::uint32_t>(classes_[index].states.size());
+    classes_[index].states.push_back(s);
+  };
+  // The class of the initial belief first.
+  const auto start = std::find_if(states.begin(), states.end(),
+                                  [&](std::uint32_t s) { return model.initialBelief()[s] > 0.0; });
+  const std::uint32_t start_root = unions.find(*start);
+  for (const bool initial : {true, false})
+  {
+    for (const std::uint32_t s : states)
+    {
+      if ((unions.find(s) == start_root) == initial)
+      {
+        place(s);
+      }
+    }
+  }
+  for (const std::uint32_t s : classes_.front().states)
+  {
+    initial_belief_.push_back(model.initialBelief()[s]);
+  }
+
+  for (StateClass& state_class : classes_)
+  {
+    state_class.actions.resize(model.numActions());
+    for (std::size_t a = 0; a < model.numActions(); ++a)
+    {
+      ClassAction& action = state_class.actions[a];
+      std::map<std::uint32_t, std::size_t> branch_of_observation;
+      std::vector<std::vector<std::vector<SparseEntry>>> rows;  // [branch][local state]
+      for (std::size_t i = 0; i < state_class.states.size(); ++i)
+      {
+        const std::uint32_t s = state_class.states[i];
+        action.rewards.push_back(model.reward(a, s));
+        for (const SparseEntry& next : model.transitions(a, s))
+        {
+          for (const SparseEntry& seen : model.observations(a, next.index))
+          {
+            const auto [found, inserted] = branch_of_observation.emplace(seen.index, rows.size());
+            if (inserted)
+            {
+              rows.emplace_back(state_class.states.size());
+              action.branches.push_back({class_of[next.index], {}});
+            }
+            rows[found->second][i].push_back(
+                {local_of[next.index], next.probability * seen.probability});
+          }
+        }
+      }
+      for (std::size_t b = 0; b < rows.size(); ++b)
+      {
+        for (const std::vector<SparseEntry>& row : rows[b])
+        {
+          action.branches[b].joint.append(row);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace kr3::pomdp

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "kr3_pomdp/model.hpp"
+
+namespace kr3::pomdp
+{
+
+/// One outcome of an action in a class of states: an observation, and the class it leads to.
+struct Branch
+{
+  std::uint32_t target_class;
+  /// Row s: the states s' (local index in the target class) with T(s' | s, a) O(o | a, s').
+  SparseRows joint;
+};
+
+/// What an action earns in a class, and its outcomes.
+struct ClassAction
+{
+  std::vector<double> rewards;  ///< shape [states of the class]
+  std::vector<Branch> branches;
+};
+
+/// A set of states such that beliefs from the initial belief on lie in one class at any time.
+struct StateClass
+{
+  std::vector<std::uint32_t> states;  ///< ascending
+  std::vector<ClassAction> actions;   ///< shape [num_actions]
+};
+
+/// A model as seen from its initial belief: states that cannot be reached are left out, and the
+/// others fall into the finest classes that the robot can always tell apart (its own cell, say). So
+/// what is fully observed is found without being declared, and beliefs and vectors get short.
+///
+/// Source: the idea of mixed observability, Ong, Png, Hsu and Lee (2010).
+class ObservedModel
+{
+public:
+  explicit ObservedModel(const Model& model);
+
+  [[nodiscard]] const Model& model() const { return *model_; }
+  [[nodiscard]] double discount() const { return model_->discount(); }
+  [[nodiscard]] std::size_t numActions() const { return model_->numActions(); }
+  [[nodiscard]] const std::vector<StateClass>& classes() const { return classes_; }
+  /// The class of the initial belief is 0.
+  [[nodiscard]] const std::vector<double>& initialBelief() const { return initial_belief_; }
+
+private:
+  const Model* model_;  // outlives this object
+  std::vector<StateClass> classes_;
+  std::vector<double> initial_belief_;  // shape [states of class 0]
+};
+
+}  // namespace kr3::pomdp

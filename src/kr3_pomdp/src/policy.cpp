@@ -1,0 +1,265 @@
+#include "kr3_pomdp/policy.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <istream>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <ostream>
+#include <sstream>
+
+#include <kr3_common/error.hpp>
+
+namespace kr3::pomdp
+{
+
+namespace
+{
+
+constexpr const char* kMagic = "kr3_policy";
+constexpr int kVersion = 1;
+
+void check(std::size_t num_states, const AlphaVector& vector, std::size_t number)
+{
+  const auto fail = [number](const std::string& what) {
+    throw InvalidArgument("alpha vector " + std::to_string(number) + ": " + what);
+  };
+  const std::size_t expected = vector.states.empty() ? num_states : vector.states.size();
+  if (vector.values.size() != expected)
+  {
+    fail(std::to_string(vector.values.size()) + " values, expected " + std::to_string(expected));
+  }
+  for (std::size_t i = 0; i < vector.states.size(); ++i)
+  {
+    if (vector.states[i] >= num_states || (i > 0 && vector.states[i] <= vector.states[i - 1]))
+    {
+      fail("state " + std::to_string(vector.states[i]) + " is out of order or range");
+    }
+  }
+  if (!std::all_of(vector.values.begin(), vector.values.end(),
+                   [](double v) { return std::isfinite(v); }))
+  {
+    fail("a value is not finite");
+  }
+}
+
+}  // namespace
+
+Policy::Policy(std::size_t num_states, const std::vector<AlphaVector>& alpha_vectors)
+  : num_states_(num_states), num_alpha_vectors_(alpha_vectors.size()), groups_of_state_(num_states)
+{
+  std::map<std::vector<std::uint32_t>, std::vector<const AlphaVector*>> by_states;
+  for (std::size_t i = 0; i < alpha_vectors.size(); ++i)
+  {
+    check(num_states, alpha_vectors[i], i);
+    by_states[alpha_vectors[i].states].push_back(&alpha_vectors[i]);
+    max_action_ = std::max(max_action_, alpha_vectors[i].action);
+  }
+  if (by_states.empty() || !by_states.begin()->first.empty())
+  {
+    throw InvalidArgument("a policy needs a vector over all states");
+  }
+  for (const auto& [states, vectors] : by_states)
+  {
+    Group group;
+    group.states = states;
+    if (states.empty())
+    {
+      group.states.resize(num_states);
+      std::iota(group.states.begin(), group.states.end(), 0U);
+    }
+    group.values.resize(group.states.size() * vectors.size());
+    for (std::size_t v = 0; v < vectors.size(); ++v)
+    {
+      group.actions.push_back(static_cast<std::uint32_t>(vectors[v]->action));
+      for (std::size_t s = 0; s < group.states.size(); ++s)
+      {
+        group.values[s * vectors.size() + v] = vectors[v]->values[s];
+      }
+    }
+    for (const std::uint32_t state : group.states)
+    {
+      groups_of_state_[state].push_back(static_cast<std::uint32_t>(groups_.size()));
+    }
+    groups_.push_back(std::move(group));
+  }
+}
+
+std::vector<AlphaVector> Policy::alphaVectors() const
+{
+  std::vector<AlphaVector> vectors;
+  vectors.reserve(num_alpha_vectors_);
+  for (const Group& group : groups_)
+  {
+    for (std::size_t v = 0; v < group.actions.size(); ++v)
+    {
+      AlphaVector vector;
+      vector.action = group.actions[v];
+      if (group.states.size() != num_states_)
+      {
+        vector.states = group.states;
+      }
+      for (std::size_t s = 0; s < group.states.size(); ++s)
+      {
+        vector.values.push_back(group.values[s * group.actions.size() + v]);
+      }
+      vectors.push_back(std::move(vector));
+    }
+  }
+  return vectors;
+}
+
+Policy::Choice Policy::bestAt(const Belief& belief) const
+{
+  if (belief.size() != num_states_)
+  {
+    throw InvalidArgument("belief over " + std::to_string(belief.size()) + " states, expected " +
+                          std::to_string(num_states_));
+  }
+  std::vector<std::uint32_t> support;
+  for (std::size_t s = 0; s < num_states_; ++s)
+  {
+    if (belief[s] > 0.0)
+    {
+      support.push_back(static_cast<std::uint32_t>(s));
+    }
+  }
+  Choice best{0, -std::numeric_limits<double>::infinity()};
+  std::vector<double> sums;
+  std::vector<std::size_t> places;
+  for (const std::uint32_t g : groups_of_state_[support.front()])
+  {
+    const Group& group = groups_[g];
+    places.clear();
+    for (const std::uint32_t s : support)
+    {
+      const auto found = std::lower_bound(group.states.begin(), group.states.end(), s);
+      if (found == group.states.end() || *found != s)
+      {
+        break;
+      }
+      places.push_back(static_cast<std::size_t>(found - group.states.begin()));
+    }
+    if (places.size() != support.size())
+    {
+      continue;
+    }
+    const std::size_t count = group.actions.size();
+    sums.assign(count, 0.0);
+    for (std::size_t i = 0; i < support.size(); ++i)
+    {
+      const double weight = belief[support[i]];
+      const double* row = group.values.data() + places[i] * count;
+      for (std::size_t v = 0; v < count; ++v)
+      {
+        sums[v] += weight * row[v];
+      }
+    }
+    const auto top = std::max_element(sums.begin(), sums.end());
+    if (*top > best.value)
+    {
+      best = {group.actions[static_cast<std::size_t>(top - sums.begin())], *top};
+    }
+  }
+  return best;
+}
+
+void Policy::write(std::ostream& out) const
+{
+  const auto number = [&out](double value) {
+    char text[32];
+    std::snprintf(text, sizeof(text), " %.17g", value);
+    out << text;
+  };
+  out << kMagic << ' ' << kVersion << "\nstates " << num_states_ << "\nvectors "
+      << num_alpha_vectors_ << '\n';
+  for (const AlphaVector& vector : alphaVectors())
+  {
+    out << vector.action << ' ' << vector.states.size();
+    for (const std::uint32_t state : vector.states)
+    {
+      out << ' ' << state;
+    }
+    std::for_each(vector.values.begin(), vector.values.end(), number);
+    out << '\n';
+  }
+}
+
+Policy Policy::read(std::istream& in, const std::string& name)
+{
+  int line_number = 0;
+  const auto fail = [&](const std::string& what) {
+    throw InvalidArgument(name + ":" + std::to_string(line_number) + ": " + what);
+  };
+  const auto nextLine = [&](const std::string& expected) {
+    std::string line;
+    ++line_number;
+    if (!std::getline(in, line))
+    {
+      fail("found the end, expected " + expected);
+    }
+    return std::istringstream(line);
+  };
+  const auto header = [&](const std::string& key) {
+    std::istringstream line = nextLine("'" + key + "' and a number");
+    std::string found;
+    std::size_t value = 0;
+    if (!(line >> found >> value) || found != key)
+    {
+      fail("found '" + line.str() + "', expected '" + key + "' and a number");
+    }
+    return value;
+  };
+  if (header(kMagic) != static_cast<std::size_t>(kVersion))
+  {
+    fail("unknown version, expected " + std::to_string(kVersion));
+  }
+  const std::size_t num_states = header("states");
+  const std::size_t num_vectors = header("vectors");
+  std::vector<AlphaVector> vectors;
+  for (std::size_t i = 0; i < num_vectors; ++i)
+  {
+    std::istringstream line = nextLine("an alpha vector");
+    AlphaVector vector;
+    std::size_t count = 0;
+    if (!(line >> vector.action >> count) || count > num_states)
+    {
+      fail("expected an action, a number of states, the states and their values");
+    }
+    vector.states.resize(count);
+    for (std::uint32_t& state : vector.states)
+    {
+      line >> state;
+    }
+    vector.values.resize(count == 0 ? num_states : count);
+    for (double& value : vector.values)
+    {
+      std::string text;
+      line >> text;
+      char* end = nullptr;
+      value = std::strtod(text.c_str(), &end);
+      if (!line || *end != '\0')
+      {
+        fail("found '" + text + "', expected " + std::to_string(vector.values.size()) + " values");
+      }
+    }
+    std::string rest;
+    if (line >> rest)
+    {
+      fail("found '" + rest + "' after the last value");
+    }
+    vectors.push_back(std::move(vector));
+  }
+  try
+  {
+    return Policy(num_states, vectors);
+  }
+  catch (const InvalidArgument& e)
+  {
+    throw InvalidArgument(name + ": " + e.what());
+  }
+}
+
+}  // namespace kr3::pomdp
