@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kr3_sim_ode/building.hpp"
+#include "kr3_sim_ode/object_model.hpp"
+#include "kr3_sim_ode/odometry.hpp"
+#include "kr3_sim_ode/placement.hpp"
+#include "kr3_sim_ode/robot.hpp"
+
+namespace kr3::sim
+{
+
+/// A laser that scans the full circle, beam 0 backwards, counter-clockwise.
+struct LaserModel
+{
+  int num_beams = 360;
+  double min_range_m = 0.05;
+  double max_range_m = 12.0;
+  double noise_stddev_m = 0.01;
+  double dropout_rate = 0.002;  ///< share of beams that return nothing
+};
+
+struct WorldConfig
+{
+  std::uint64_t seed = 1;
+  double time_step_s = 0.002;
+  RobotModel robot;
+  LaserModel laser;
+  OdometryNoise odometry;
+  double grasp_failure_rate = 0.05;
+};
+
+/// A building with objects and a robot, simulated by rigid bodies in fixed steps.
+///
+/// The same arguments and the same calls give bit-identical results on one machine and build. Not
+/// thread-safe.
+class World
+{
+public:
+  /// Comes to rest before it returns: objects lie, the robot stands.
+  /// @throws NotFound         an object of an unknown model
+  /// @throws InvalidArgument  two objects of one name
+  World(const Building& building, const std::vector<ObjectModel>& models,
+        const std::vector<ObjectState>& objects, const Pose2& robot_start,
+        const WorldConfig& config);
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  /// Advances by config.time_step_s.
+  void step();
+  [[nodiscard]] std::uint64_t steps() const;
+
+  /// The velocity that the robot tries to reach, limited to what it can do.
+  /// @throws InvalidArgument  a value is not finite
+  void setCommand(double speed_m_s, double turn_rate_rad_s);
+
+  [[nodiscard]] Pose robotPose() const;  ///< T_world_base
+  [[nodiscard]] Velocity robotVelocity() const;
+  [[nodiscard]] Pose2 odometryPose() const;  ///< T_odom_base as the wheels tell it
+  [[nodiscard]] Velocity odometryVelocity() const;
+
+  /// How often the robot bumped into something (Physics::robotContacts()).
+  [[nodiscard]] std::uint32_t robotContacts() const;
+
+  /// One scan from where the robot is now, shape [num_beams], metres; infinity where nothing
+  /// returned. Beam i points to -pi + i * 2 pi / num_beams in frame laser.
+  [[nodiscard]] std::vector<double> scan();
+
+  [[nodiscard]] std::vector<ObjectState> objects() const;
+  [[nodiscard]] std::optional<std::string> held() const;
+
+  /// Grasps the object nearest to the grasp point among those in reach that nothing solid hides,
+  /// and lifts it.
+  /// @return whether the gripper holds something now: false when nothing was in reach or the grasp
+  /// failed
+  /// @throws FailedPrecondition  it holds something already
+  bool closeGripper();
+
+  /// Lowers what is held onto the highest free surface in front, the nearest to the grasp point,
+  /// and lets it go.
+  /// @return false when nothing was held
+  /// @throws FailedPrecondition  no free surface within reach; the object stays held
+  bool openGripper();
+
+  /// @throws InvalidArgument  the name is taken, or the pose is not a pose
+  /// @throws NotFound         no such model
+  void spawn(const std::string& name, const std::string& model, const Pose& pose);
+
+  /// @throws NotFound  no such object
+  void remove(const std::string& name);
+
+  /// Puts an object down at a pose with zero velocity; the gripper lets go of it first.
+  /// @throws NotFound         no such object
+  /// @throws InvalidArgument  the pose is not a pose
+  void setObjectPose(const std::string& name, const Pose& pose);
+
+  /// Puts the robot, with what it holds, elsewhere. The odometry does not notice.
+  /// @throws InvalidArgument  a value is not finite
+  void setRobotPose(const Pose2& pose);
+
+private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kr3::sim

@@ -1,0 +1,210 @@
+#include "physics.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace kr3::sim
+{
+
+namespace
+{
+constexpr double kGravity = -9.81;          // m/s^2
+constexpr double kFriction = 0.9;           // of all but the casters
+constexpr double kSameContactPeriod = 0.5;  // s
+constexpr int kMaxContacts = 8;             // per pair of geoms
+constexpr int kSolverIterations = 30;
+
+/// ODE's own set-up, once per process and thread.
+void initializeOde()
+{
+  struct Library
+  {
+    Library() { dInitODE2(0); }
+    ~Library() { dCloseODE(); }
+  };
+  static const Library library;
+  dAllocateODEDataForThread(dAllocateMaskAll);
+}
+
+WorldHandle makeWorld()
+{
+  initializeOde();
+  WorldHandle world(dWorldCreate());
+  dWorldSetGravity(world.get(), 0.0, 0.0, kGravity);
+  dWorldSetERP(world.get(), 0.2);
+  dWorldSetCFM(world.get(), 1e-5);
+  dWorldSetContactSurfaceLayer(world.get(), 0.001);
+  dWorldSetQuickStepNumIterations(world.get(), kSolverIterations);
+  // Objects at rest cost nothing.
+  dWorldSetAutoDisableFlag(world.get(), 1);
+  dWorldSetAutoDisableTime(world.get(), 0.2);
+  dWorldSetAutoDisableLinearThreshold(world.get(), 0.02);
+  dWorldSetAutoDisableAngularThreshold(world.get(), 0.05);
+  return world;
+}
+
+SpaceHandle makeStaticSpace(const Building& building)
+{
+  const Rectangle all = building.extent();
+  const dVector3 center = {(all.x0 + all.x1) / 2.0, (all.y0 + all.y1) / 2.0, 1.0};
+  const dVector3 extents = {(all.x1 - all.x0) / 2.0 + 1.0, (all.y1 - all.y0) / 2.0 + 1.0, 2.0};
+  SpaceHandle space(dQuadTreeSpaceCreate(nullptr, center, extents, 5));
+  dSpaceSetCleanup(space.get(), 0);  // every geom has its own handle
+  return space;
+}
+
+SpaceHandle makeSimpleSpace()
+{
+  SpaceHandle space(dSimpleSpaceCreate(nullptr));
+  dSpaceSetCleanup(space.get(), 0);
+  return space;
+}
+
+GeomHandle makeBox(dSpaceID space, const Box& box)
+{
+  GeomHandle geom(dCreateBox(space, box.size.x, box.size.y, box.size.z));
+  dGeomSetPosition(geom.get(), box.center.x, box.center.y, box.center.z);
+  dMatrix3 rotation;
+  dRFromAxisAndAngle(rotation, 0.0, 0.0, 1.0, box.yaw);
+  dGeomSetRotation(geom.get(), rotation);
+  dGeomSetCategoryBits(geom.get(), kStaticGeom);
+  return geom;
+}
+
+bool isRobot(dGeomID geom)
+{
+  return (dGeomGetCategoryBits(geom) & (kRobotGeom | kCasterGeom)) != 0;
+}
+}  // namespace
+
+Physics::Physics(const Building& building, std::uint64_t seed, double time_step_s)
+  : time_step_s_(time_step_s)
+  , random_state_(static_cast<unsigned long>(seed))
+  , world_(makeWorld())
+  , contacts_(dJointGroupCreate(0))
+  , statics_(makeStaticSpace(building))
+  , objects_(makeSimpleSpace())
+  , robot_(makeSimpleSpace())
+  , floor_(dCreatePlane(nullptr, 0.0, 0.0, 1.0, 0.0))
+  , ray_(dCreateRay(nullptr, 1.0))
+{
+  dGeomSetCategoryBits(floor_.get(), kFloorGeom);
+  dGeomRaySetClosestHit(ray_.get(), 1);
+  for (const Box& wall : wallsOf(building))
+  {
+    boxes_.push_back(makeBox(statics_.get(), wall));
+  }
+  for (const Furniture& furniture : building.furniture)
+  {
+    boxes_.push_back(makeBox(statics_.get(), furniture.box()));
+  }
+}
+
+void Physics::step()
+{
+  const unsigned long outer_state = dRandGetSeed();
+  dRandSetSeed(random_state_);
+  dSpaceCollide2(geomOf(robot_), geomOf(statics_), this, onNear);
+  dSpaceCollide2(geomOf(robot_), geomOf(objects_), this, onNear);
+  dSpaceCollide2(geomOf(robot_), floor_.get(), this, onNear);
+  dSpaceCollide2(geomOf(objects_), geomOf(statics_), this, onNear);
+  dSpaceCollide2(geomOf(objects_), floor_.get(), this, onNear);
+  dSpaceCollide(objects_.get(), this, onNear);
+  dWorldQuickStep(world_.get(), time_step_s_);
+  dJointGroupEmpty(contacts_.get());
+  random_state_ = dRandGetSeed();
+  dRandSetSeed(outer_state);
+  ++steps_;
+}
+
+void Physics::onNear(void* self, dGeomID a, dGeomID b)
+{
+  if (dGeomIsSpace(a) != 0 || dGeomIsSpace(b) != 0)
+  {
+    dSpaceCollide2(a, b, self, onNear);
+    return;
+  }
+  static_cast<Physics*>(self)->collide(a, b);
+}
+
+void Physics::collide(dGeomID a, dGeomID b)
+{
+  dBodyID body_a = dGeomGetBody(a);
+  dBodyID body_b = dGeomGetBody(b);
+  const bool joined = body_a != nullptr && body_b != nullptr &&
+                      dAreConnectedExcluding(body_a, body_b, dJointTypeContact) != 0;
+  if (body_a == body_b || joined)
+  {
+    return;
+  }
+  std::array<dContact, kMaxContacts> contacts{};
+  const int count = dCollide(a, b, kMaxContacts, &contacts[0].geom, sizeof(dContact));
+  const unsigned long categories = dGeomGetCategoryBits(a) | dGeomGetCategoryBits(b);
+  if (count > 0 && (categories & kFloorGeom) == 0 && isRobot(a) != isRobot(b))
+  {
+    noteRobotContact(isRobot(a) ? b : a);
+  }
+  for (int i = 0; i < count; ++i)
+  {
+    dContact& contact = contacts.at(static_cast<std::size_t>(i));
+    contact.surface.mode = dContactApprox1 | dContactSoftERP | dContactSoftCFM;
+    contact.surface.mu = (categories & kCasterGeom) != 0 ? 0.0 : kFriction;
+    contact.surface.soft_erp = 0.3;
+    contact.surface.soft_cfm = 1e-5;
+    dJointAttach(dJointCreateContact(world_.get(), contacts_.get(), &contact), body_a, body_b);
+  }
+}
+
+void Physics::noteRobotContact(dGeomID other)
+{
+  const auto same_steps = static_cast<std::uint64_t>(kSameContactPeriod / time_step_s_);
+  const auto [entry, is_new] = last_robot_contact_.emplace(other, steps_);
+  if (is_new || steps_ - entry->second > same_steps)
+  {
+    ++robot_contacts_;
+  }
+  entry->second = steps_;
+}
+
+double Physics::castRay(const Vector3& origin, const Vector3& direction, double max_range_m,
+                        bool with_objects) const
+{
+  double nearest = max_range_m;
+  const auto keepNearest = [](void* data, dGeomID a, dGeomID b) {
+    dContactGeom contact;
+    auto& nearest_so_far = *static_cast<double*>(data);
+    if (dCollide(a, b, 1, &contact, sizeof(contact)) > 0)
+    {
+      nearest_so_far = std::min(nearest_so_far, static_cast<double>(contact.depth));
+    }
+  };
+  dGeomRaySetLength(ray_.get(), max_range_m);
+  dGeomRaySet(ray_.get(), origin.x, origin.y, origin.z, direction.x, direction.y, direction.z);
+  dSpaceCollide2(ray_.get(), geomOf(statics_), &nearest, keepNearest);
+  if (with_objects)
+  {
+    dSpaceCollide2(ray_.get(), geomOf(objects_), &nearest, keepNearest);
+  }
+  return nearest;
+}
+
+void setPose(dBodyID body, const Pose& pose)
+{
+  const dQuaternion q = {pose.orientation.w, pose.orientation.x, pose.orientation.y,
+                         pose.orientation.z};
+  dBodySetPosition(body, pose.position.x, pose.position.y, pose.position.z);
+  dBodySetQuaternion(body, q);
+  dBodySetLinearVel(body, 0.0, 0.0, 0.0);
+  dBodySetAngularVel(body, 0.0, 0.0, 0.0);
+  dBodyEnable(body);
+}
+
+Pose poseOf(dBodyID body)
+{
+  const dReal* const p = dBodyGetPosition(body);
+  const dReal* const q = dBodyGetQuaternion(body);
+  return {{p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}};
+}
+
+}  // namespace kr3::sim

@@ -1,0 +1,62 @@
+#include "sim_node_config.hpp"
+
+#include <string>
+
+#include <kr3_common/ros/param_reader.hpp>
+
+namespace kr3::sim
+{
+
+SimNodeConfig loadSimNodeConfig(const ros::NodeHandle& private_nh)
+{
+  SimNodeConfig config;
+  ParamReader params(private_nh);
+  const auto number = [&](const std::string& name, double& value, double low, double high) {
+    value = params.get(name, value);
+    params.check(value >= low && value <= high, name,
+                 "must be in [" + std::to_string(low) + ", " + std::to_string(high) + "]");
+  };
+  const auto whole = [&](const std::string& name, int& value, int low, int high) {
+    value = params.get(name, value);
+    params.check(value >= low && value <= high, name,
+                 "must be in [" + std::to_string(low) + ", " + std::to_string(high) + "]");
+  };
+
+  const auto building_path = params.require<std::string>("building");
+  const auto objects_path = params.require<std::string>("objects");
+  config.scenario.placements = params.get("placements", config.scenario.placements);
+  config.scenario.robot_start = params.get("robot_start", config.scenario.robot_start);
+  WorldConfig& world = config.scenario.world;
+  int seed = static_cast<int>(world.seed);
+  whole("seed", seed, 0, 2147483647);
+  world.seed = static_cast<std::uint64_t>(seed);
+  number("real_time_factor", config.real_time_factor, 0.0, 1000.0);
+  number("time_step", world.time_step_s, 0.0005, 0.005);
+  number("command_timeout", config.command_timeout_s, 0.05, 10.0);
+
+  whole("camera_width", config.camera.width, 16, 4096);
+  whole("camera_height", config.camera.height, 16, 4096);
+  number("camera_hfov", config.camera.horizontal_fov_rad, 0.1, 3.0);
+  number("camera_rate", config.camera_rate_hz, 0.1, 100.0);
+  number("camera_pitch", world.robot.camera_pitch_rad, -1.5, 1.5);
+  number("camera_exposure_stddev", config.camera_noise.exposure_stddev, 0.0, 0.5);
+  number("camera_pixel_stddev", config.camera_noise.pixel_stddev, 0.0, 50.0);
+
+  whole("laser_beams", world.laser.num_beams, 8, 3600);
+  number("laser_max_range", world.laser.max_range_m, 0.5, 100.0);
+  number("laser_noise_stddev", world.laser.noise_stddev_m, 0.0, 1.0);
+  number("laser_dropout_rate", world.laser.dropout_rate, 0.0, 1.0);
+  number("odometry_radius_stddev", world.odometry.radius_stddev, 0.0, 0.1);
+  number("odometry_track_stddev", world.odometry.track_stddev, 0.0, 0.1);
+  number("odometry_slip_stddev", world.odometry.slip_stddev, 0.0, 1.0);
+  number("grasp_failure_rate", world.grasp_failure_rate, 0.0, 1.0);
+  number("gripper_reach", world.robot.reach_m, 0.3, 2.0);
+  number("gripper_reach_angle", world.robot.reach_angle_rad, 0.05, 3.1);
+  params.finish();
+
+  config.scenario.building = loadBuilding(building_path);
+  config.scenario.models = loadObjectModels(objects_path);
+  return config;
+}
+
+}  // namespace kr3::sim

@@ -1,0 +1,266 @@
+#include "kr3_sim_ode/world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <kr3_common/error.hpp>
+
+#include "gripper.hpp"
+#include "kr3_sim_ode/random.hpp"
+#include "object_body.hpp"
+#include "physics.hpp"
+#include "robot_body.hpp"
+
+namespace kr3::sim
+{
+
+namespace
+{
+constexpr double kSettlingTime = 0.5;  // s
+
+/// @throws InvalidArgument  not finite, or no rotation
+Pose checkedPose(const Pose& pose)
+{
+  const auto& [p, q] = pose;
+  const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z) || !std::isfinite(norm) ||
+      std::abs(norm - 1.0) > 0.01)
+  {
+    throw InvalidArgument("a pose needs finite coordinates and a unit quaternion");
+  }
+  return {p, {q.w / norm, q.x / norm, q.y / norm, q.z / norm}};
+}
+}  // namespace
+
+class World::Impl
+{
+public:
+  Impl(const Building& building, const std::vector<ObjectModel>& models,
+       const std::vector<ObjectState>& objects, const Pose2& robot_start, const WorldConfig& config)
+    : config_(config)
+    , models_(models)
+    , physics_(building, config.seed, config.time_step_s)
+    , robot_(physics_, config.robot, robot_start)
+    , odometry_(config.robot.wheel_radius_m, config.robot.track_m, config.odometry, config.seed)
+    , gripper_(building, physics_, robot_, config.robot, config.grasp_failure_rate, config.seed)
+    , laser_generator_(makeGenerator(config.seed, Stream::kLaser))
+  {
+    for (const ObjectState& object : objects)
+    {
+      spawn(object.name, object.model, object.pose);
+    }
+    const auto settling_steps = static_cast<int>(kSettlingTime / config.time_step_s);
+    for (int i = 0; i < settling_steps; ++i)
+    {
+      robot_.control(config_.time_step_s);
+      physics_.step();
+    }
+    settled_steps_ = physics_.steps();
+  }
+
+  void step()
+  {
+    robot_.control(config_.time_step_s);
+    physics_.step();
+    odometry_.update(robot_.wheelRates(), config_.time_step_s);
+  }
+
+  std::vector<double> scan()
+  {
+    const LaserModel& laser = config_.laser;
+    const Pose T_world_base = robot_.T_world_base();
+    const Pose T_world_laser = T_world_base * config_.robot.T_base_laser;
+    const double yaw = yawOf(T_world_laser.orientation);
+    std::normal_distribution<double> noise(0.0, laser.noise_stddev_m);
+    std::vector<double> ranges;
+    ranges.reserve(static_cast<std::size_t>(laser.num_beams));
+    for (int i = 0; i < laser.num_beams; ++i)
+    {
+      const double angle = yaw - M_PI + i * 2.0 * M_PI / laser.num_beams;
+      const double distance = physics_.castRay(
+          T_world_laser.position, {std::cos(angle), std::sin(angle), 0.0}, laser.max_range_m, true);
+      const double measured =
+          laser.noise_stddev_m > 0.0 ? distance + noise(laser_generator_) : distance;
+      const bool dropped = uniform(laser_generator_, 0.0, 1.0) < laser.dropout_rate;
+      const bool returned = distance < laser.max_range_m && measured >= laser.min_range_m &&
+                            measured <= laser.max_range_m && !dropped;
+      ranges.push_back(returned ? measured : std::numeric_limits<double>::infinity());
+    }
+    return ranges;
+  }
+
+  void spawn(const std::string& name, const std::string& model, const Pose& pose)
+  {
+    if (name.empty() || name == "robot" || find(name) != bodies_.end())
+    {
+      throw InvalidArgument("the object name '" + name + "' is taken or not allowed");
+    }
+    bodies_.push_back(
+        std::make_unique<ObjectBody>(physics_, name, findModel(models_, model), checkedPose(pose)));
+  }
+
+  void remove(const std::string& name)
+  {
+    const auto body = existing(name);
+    gripper_.drop(**body);
+    bodies_.erase(body);
+  }
+
+  void setObjectPose(const std::string& name, const Pose& pose)
+  {
+    const Pose checked = checkedPose(pose);
+    const auto body = existing(name);
+    gripper_.drop(**body);
+    (*body)->moveTo(checked);
+  }
+
+  void setRobotPose(const Pose2& pose)
+  {
+    (void)checkedPose(poseOf(pose, 0.0));
+    robot_.moveTo(pose);
+    gripper_.follow();
+  }
+
+  std::vector<ObjectState> objects() const
+  {
+    std::vector<ObjectState> states;
+    for (const auto& body : bodies_)
+    {
+      states.push_back({body->name(), body->model().name, body->pose()});
+    }
+    return states;
+  }
+
+  WorldConfig config_;
+  std::vector<ObjectModel> models_;
+  Physics physics_;
+  RobotBody robot_;
+  WheelOdometry odometry_;
+  std::vector<std::unique_ptr<ObjectBody>> bodies_;  // by address: the gripper refers to one
+  Gripper gripper_;
+  std::uint64_t settled_steps_ = 0;
+
+private:
+  using Bodies = std::vector<std::unique_ptr<ObjectBody>>;
+
+  Bodies::iterator find(const std::string& name)
+  {
+    return std::find_if(bodies_.begin(), bodies_.end(),
+                        [&](const auto& body) { return body->name() == name; });
+  }
+
+  Bodies::iterator existing(const std::string& name)
+  {
+    const auto body = find(name);
+    if (body == bodies_.end())
+    {
+      throw NotFound("there is no object '" + name + "'");
+    }
+    return body;
+  }
+
+  std::mt19937_64 laser_generator_;
+};
+
+World::World(const Building& building, const std::vector<ObjectModel>& models,
+             const std::vector<ObjectState>& objects, const Pose2& robot_start,
+             const WorldConfig& config)
+  : impl_(std::make_unique<Impl>(building, models, objects, robot_start, config))
+{
+}
+
+World::~World() = default;
+
+void World::step()
+{
+  impl_->step();
+}
+
+std::uint64_t World::steps() const
+{
+  return impl_->physics_.steps() - impl_->settled_steps_;
+}
+
+void World::setCommand(double speed_m_s, double turn_rate_rad_s)
+{
+  if (!std::isfinite(speed_m_s) || !std::isfinite(turn_rate_rad_s))
+  {
+    throw InvalidArgument("a velocity command must be finite");
+  }
+  impl_->robot_.setCommand(speed_m_s, turn_rate_rad_s);
+}
+
+Pose World::robotPose() const
+{
+  return impl_->robot_.T_world_base();
+}
+
+Velocity World::robotVelocity() const
+{
+  return impl_->robot_.velocity();
+}
+
+Pose2 World::odometryPose() const
+{
+  return impl_->odometry_.pose();
+}
+
+Velocity World::odometryVelocity() const
+{
+  return impl_->odometry_.velocity();
+}
+
+std::uint32_t World::robotContacts() const
+{
+  return impl_->physics_.robotContacts();
+}
+
+std::vector<double> World::scan()
+{
+  return impl_->scan();
+}
+
+std::vector<ObjectState> World::objects() const
+{
+  return impl_->objects();
+}
+
+std::optional<std::string> World::held() const
+{
+  const ObjectBody* const body = impl_->gripper_.held();
+  return body == nullptr ? std::nullopt : std::make_optional(body->name());
+}
+
+bool World::closeGripper()
+{
+  return impl_->gripper_.close(impl_->bodies_);
+}
+
+bool World::openGripper()
+{
+  return impl_->gripper_.open(impl_->bodies_);
+}
+
+void World::spawn(const std::string& name, const std::string& model, const Pose& pose)
+{
+  impl_->spawn(name, model, pose);
+}
+
+void World::remove(const std::string& name)
+{
+  impl_->remove(name);
+}
+
+void World::setObjectPose(const std::string& name, const Pose& pose)
+{
+  impl_->setObjectPose(name, pose);
+}
+
+void World::setRobotPose(const Pose2& pose)
+{
+  impl_->setRobotPose(pose);
+}
+
+}  // namespace kr3::sim
