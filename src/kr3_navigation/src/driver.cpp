@@ -95,6 +95,7 @@ void Driver::plan(const DriveInput& input)
     return;
   }
   follower_.emplace(path.points, options_.limits);
+  ++num_plans_;
   if (first)
   {
     first_remaining_m_ = path.length_m;

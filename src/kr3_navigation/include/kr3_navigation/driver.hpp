@@ -76,6 +76,8 @@ public:
   [[nodiscard]] const std::string& reason() const { return reason_; }
   /// The path being followed; empty without one.
   [[nodiscard]] const std::vector<Point>& path() const;
+  /// Changes whenever path() does.
+  [[nodiscard]] int numPlans() const { return num_plans_; }
   /// Share of the way done, [0, 1].
   [[nodiscard]] double progress() const { return progress_; }
 
@@ -100,6 +102,7 @@ private:
   double first_remaining_m_ = 0.0;
   double progress_ = 0.0;
   int replans_ = 0;
+  int num_plans_ = 0;
 };
 
 }  // namespace kr3::navigation

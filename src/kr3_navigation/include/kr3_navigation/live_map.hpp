@@ -1,0 +1,56 @@
+#pragma once
+
+#include <optional>
+
+#include "kr3_navigation/occupancy_map.hpp"
+#include "kr3_navigation/path_planner.hpp"
+
+namespace kr3::navigation
+{
+
+struct LiveMapOptions
+{
+  double z_min_m = 0.05;  ///< the band of heights in which something is an obstacle
+  double z_max_m = 0.60;
+  double revision_range_m = 4.0;  ///< of scans that revise a given map
+  double mapping_range_m = 8.0;   ///< of scans that build a new one
+  PathPlannerOptions planner;
+};
+
+/// The map as the robot knows it now: an OctoMap that every scan revises, and the planner on its
+/// present state.
+///
+/// Started with a given map, it keeps that map's obstacles as the reference for localisation, so
+/// that errors of the pose cannot feed back into it. Not thread-safe.
+class LiveMap
+{
+public:
+  /// @param given  whether `map` is a finished map to be revised, or a new one to be built
+  /// @param area   what the grid covers at least
+  LiveMap(OccupancyMap map, bool given, const Rectangle& area, const LiveMapOptions& options);
+
+  void insertScan(const LaserScan& scan, const Pose& T_map_laser, double height_m);
+
+  /// Brings grid and planner up to date.
+  /// @return whether anything changed since the last call
+  /// Cost: a few ms for 40 000 nodes when something changed.
+  bool revise();
+
+  [[nodiscard]] const OccupancyMap& map() const { return map_; }
+  [[nodiscard]] const OccupancyGrid& grid() const { return grid_; }
+  [[nodiscard]] const PathPlanner& planner() const { return *planner_; }
+  /// Distances to the obstacles of the given map; only for a given one.
+  [[nodiscard]] const DistanceField& reference() const { return *reference_; }
+
+private:
+  void project();
+
+  LiveMapOptions options_;
+  OccupancyMap map_;
+  Rectangle area_;
+  OccupancyGrid grid_;
+  std::optional<PathPlanner> planner_;
+  std::optional<DistanceField> reference_;
+};
+
+}  // namespace kr3::navigation

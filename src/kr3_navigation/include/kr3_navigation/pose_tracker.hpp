@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+
+#include "kr3_navigation/particle_filter.hpp"
+#include "kr3_navigation/pose_history.hpp"
+
+namespace kr3::navigation
+{
+
+/// Where the robot is in the map: odometry, corrected at every scan by a particle filter or by
+/// known poses. Not thread-safe.
+class PoseTracker
+{
+public:
+  /// @param filter        localises; without one, poses come from addKnownPose()
+  /// @param initial_pose  of the robot in the map; without one, the map's frame is that of odometry
+  PoseTracker(std::optional<ParticleFilter> filter, const std::optional<Pose>& initial_pose);
+
+  /// @return false when odometry jumped (the robot was put elsewhere, or it started again): the
+  /// pose was then reset
+  ///         to the initial one
+  bool addOdometry(double time_s, const Pose& T_odom_base);
+  /// The true pose of the robot, while a map is built with known poses.
+  void addKnownPose(double time_s, const Pose& T_map_base) { known_.add(time_s, T_map_base); }
+
+  /// Starts localisation again, around a pose that holds now.
+  void reset(const Pose& T_map_base, const PoseSpread& spread);
+
+  /// Whether everything that correct() needs for a scan of that time has arrived.
+  [[nodiscard]] bool isReadyFor(double time_s) const;
+  /// Takes a scan into account.
+  /// @return the robot's pose in the map when the scan was taken; nothing when the scan is older
+  /// than what is
+  ///         remembered
+  std::optional<Pose> correct(double time_s, const LaserScan& scan, const Pose& T_base_laser);
+
+  [[nodiscard]] bool hasPose() const { return !odometry_.empty() && T_map_odom_.has_value(); }
+  /// At the time of the latest odometry. Only with hasPose().
+  [[nodiscard]] Pose pose() const { return *T_map_odom_ * odometry_.latest(); }
+  [[nodiscard]] double poseTime() const { return odometry_.latestTime(); }
+  [[nodiscard]] const Pose& correction() const
+  {
+    return *T_map_odom_;
+  }  ///< T_map_odom; only with hasPose()
+  [[nodiscard]] const PoseHistory& odometry() const { return odometry_; }
+
+  /// At the last scan. Covariance 0 with known poses.
+  [[nodiscard]] PoseEstimate estimate() const;
+  /// Whether the estimate is sharp and explains the scans: good enough to revise the map with.
+  [[nodiscard]] bool isConfident() const;
+  /// Probability that the robot is inside a rectangle.
+  [[nodiscard]] double probabilityIn(const Rectangle& area) const;
+
+private:
+  std::optional<ParticleFilter> filter_;
+  std::optional<Pose> initial_pose_;
+  PoseHistory odometry_;
+  PoseHistory known_;
+  std::optional<Pose> T_map_odom_;
+  std::optional<Pose> last_scan_odometry_;  ///< T_odom_base at the last scan
+};
+
+}  // namespace kr3::navigation

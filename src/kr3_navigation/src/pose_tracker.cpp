@@ -1,0 +1,103 @@
+#include "kr3_navigation/pose_tracker.hpp"
+
+#include <cmath>
+
+namespace kr3::navigation
+{
+namespace
+{
+
+constexpr double kMemory = 3.0;  // s
+constexpr double kJump =
+    0.5;  // m between two odometry messages: no robot drives that far in between
+constexpr PoseSpread kInitialSpread{0.10, 0.05};
+constexpr double kConfidentPosition = 0.10;  // m, standard deviation
+constexpr double kConfidentYaw = 0.05;       // rad
+constexpr double kConfidentFit = 0.30;       // m, mean distance of hits from the map
+
+}  // namespace
+
+PoseTracker::PoseTracker(std::optional<ParticleFilter> filter,
+                         const std::optional<Pose>& initial_pose)
+  : filter_(std::move(filter)), initial_pose_(initial_pose), odometry_(kMemory), known_(kMemory)
+{
+}
+
+bool PoseTracker::addOdometry(double time_s, const Pose& T_odom_base)
+{
+  const bool jumped =
+      !odometry_.empty() && distance(odometry_.latest().position(), T_odom_base.position()) > kJump;
+  const bool first = odometry_.empty();
+  if (jumped)
+    odometry_.clear();
+  odometry_.add(time_s, T_odom_base);
+  if ((first || jumped) && filter_)
+    reset(initial_pose_.value_or(T_odom_base), kInitialSpread);
+  return !jumped;
+}
+
+void PoseTracker::reset(const Pose& T_map_base, const PoseSpread& spread)
+{
+  if (filter_)
+    filter_->reset(T_map_base, spread);
+  if (odometry_.empty())
+  {
+    initial_pose_ = T_map_base;  // holds from the first odometry on
+    return;
+  }
+  T_map_odom_ = T_map_base * inverse(odometry_.latest());
+  last_scan_odometry_ = odometry_.latest();
+}
+
+bool PoseTracker::isReadyFor(double time_s) const
+{
+  return odometry_.covers(time_s) && (filter_ || known_.covers(time_s));
+}
+
+std::optional<Pose> PoseTracker::correct(double time_s, const LaserScan& scan,
+                                         const Pose& T_base_laser)
+{
+  const std::optional<Pose> T_odom_base = odometry_.at(time_s);
+  if (!T_odom_base)
+    return std::nullopt;
+  if (!filter_)
+  {
+    const std::optional<Pose> T_map_base = known_.at(time_s);
+    if (T_map_base)
+      T_map_odom_ = *T_map_base * inverse(*T_odom_base);
+    return T_map_base;
+  }
+  filter_->predict(inverse(last_scan_odometry_.value_or(*T_odom_base)) * *T_odom_base);
+  last_scan_odometry_ = *T_odom_base;
+  filter_->update(scan, T_base_laser);
+  T_map_odom_ = filter_->estimate().mean * inverse(*T_odom_base);
+  return filter_->estimate().mean;
+}
+
+PoseEstimate PoseTracker::estimate() const
+{
+  if (filter_)
+    return filter_->estimate();
+  PoseEstimate estimate;
+  estimate.mean = pose();
+  return estimate;
+}
+
+bool PoseTracker::isConfident() const
+{
+  if (!filter_)
+    return true;
+  const PoseEstimate& estimate = filter_->estimate();
+  return std::sqrt(std::max(estimate.covariance[0], estimate.covariance[4])) < kConfidentPosition &&
+         std::sqrt(estimate.covariance[8]) < kConfidentYaw &&
+         estimate.mean_hit_distance_m < kConfidentFit;
+}
+
+double PoseTracker::probabilityIn(const Rectangle& area) const
+{
+  if (filter_)
+    return filter_->probabilityIn(area);
+  return hasPose() && area.contains(pose().position()) ? 1.0 : 0.0;
+}
+
+}  // namespace kr3::navigation
