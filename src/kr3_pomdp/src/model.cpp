@@ -48,6 +48,23 @@ Model::Model(NameTable states, NameTable actions, NameTable observations, Belief
 {
 }
 
+std::size_t Model::sizeInBytes() const
+{
+  std::size_t bytes =
+      sizeof(Model) +
+      (transitions_.numEntries() + observation_rows_.numEntries()) * sizeof(SparseEntry) +
+      (transitions_.numRows() + observation_rows_.numRows()) * sizeof(std::size_t) +
+      (rewards_.size() + initial_belief_.size()) * sizeof(double);
+  for (const NameTable* names : {&states_, &actions_, &observations_})
+  {
+    for (const std::string& name : names->names())
+    {
+      bytes += 2 * (sizeof(std::string) + name.size()) + 4 * sizeof(void*);  // list and index
+    }
+  }
+  return bytes;
+}
+
 Model Model::withInitialBelief(Belief belief) const
 {
   if (belief.size() != numStates())

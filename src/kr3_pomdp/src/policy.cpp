@@ -111,6 +111,21 @@ std::vector<AlphaVector> Policy::alphaVectors() const
   return vectors;
 }
 
+std::size_t Policy::sizeInBytes() const
+{
+  std::size_t bytes = sizeof(Policy);
+  for (const std::vector<std::uint32_t>& groups : groups_of_state_)
+  {
+    bytes += sizeof(groups) + groups.size() * sizeof(std::uint32_t);
+  }
+  for (const Group& group : groups_)
+  {
+    bytes += sizeof(Group) + group.values.size() * sizeof(double) +
+             (group.states.size() + group.actions.size()) * sizeof(std::uint32_t);
+  }
+  return bytes;
+}
+
 Policy::Choice Policy::bestAt(const Belief& belief) const
 {
   if (belief.size() != num_states_)

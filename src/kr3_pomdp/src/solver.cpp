@@ -18,12 +18,6 @@ namespace kr3::pomdp
 namespace
 {
 
-double knob(const char* n, double d)
-{
-  const char* e = getenv(n);
-  return e ? atof(e) : d;
-}
-
 double threadCpuSeconds()
 {
   timespec now{};

@@ -123,6 +123,9 @@ public:
     return rewards_.data() + action * numStates();
   }
 
+  /// Memory held, roughly.
+  [[nodiscard]] std::size_t sizeInBytes() const;
+
   /// The same model started elsewhere.
   /// @throws InvalidArgument  belief of another size
   [[nodiscard]] Model withInitialBelief(Belief belief) const;

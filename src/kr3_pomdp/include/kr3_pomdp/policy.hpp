@@ -41,6 +41,8 @@ public:
   [[nodiscard]] std::size_t numAlphaVectors() const { return num_alpha_vectors_; }
   /// The greatest action index of any vector.
   [[nodiscard]] std::size_t maxAction() const { return max_action_; }
+  /// Memory held, roughly.
+  [[nodiscard]] std::size_t sizeInBytes() const;
   /// All vectors, those with the same states together.
   [[nodiscard]] std::vector<AlphaVector> alphaVectors() const;
 
