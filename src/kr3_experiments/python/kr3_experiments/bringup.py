@@ -1,0 +1,138 @@
+"""From command-line options to a running stack, and the note that tells other commands where it runs."""
+import argparse
+import json
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Callable, Dict, Optional
+
+from kr3_experiments.domain import Domain, load_domain, repository_root
+from kr3_experiments.errors import Kr3Error
+from kr3_experiments.master import free_port, is_master
+from kr3_experiments.stack import Stack
+from kr3_experiments.stack_file import load_stack
+
+DEFAULT_PORT = 11311
+
+
+@dataclass(frozen=True)
+class World:
+    """What distinguishes one run from another."""
+
+    domain: Domain
+    seed: int
+    target_at: str
+    real_time_factor: float  # 0: as fast as possible
+
+
+def add_world_options(parser: argparse.ArgumentParser) -> None:
+    """The options that `world_from` reads."""
+    parser.add_argument("--domain", default="office", help="folder below domains/ (default: office)")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the simulated world and its noise (default: 1)")
+    parser.add_argument("--target-at", metavar="PLACE", help="where the object asked for really is")
+    parser.add_argument(
+        "--real-time-factor", type=float, default=0.0, metavar="X", help="simulated s per s; 0: as fast as possible"
+    )
+    parser.add_argument("--port", type=int, help="port of the ROS master")
+    parser.add_argument("--stack", type=Path, metavar="FILE", help="another list of nodes than config/stack.yaml")
+
+
+def world_from(args: argparse.Namespace) -> World:
+    """@throws Kr3Error  unknown domain or place, bad number"""
+    domain = load_domain(args.domain, repository_root())
+    if args.real_time_factor < 0.0:
+        raise Kr3Error(f"--real-time-factor {args.real_time_factor}: expected a number >= 0")
+    if not 0 <= args.seed < 2**31:
+        raise Kr3Error(f"--seed {args.seed}: expected a number from 0 to {2**31 - 1}")
+    place = args.target_at or domain.target.at
+    domain.placements_with_target(place)
+    return World(domain, args.seed, place, args.real_time_factor)
+
+
+def stack_variables(world: World, run_dir: Path) -> Dict[str, Any]:
+    """The placeholders of a stack file."""
+    return {
+        "domain_dir": str(world.domain.folder),
+        "run_dir": str(run_dir),
+        "seed": world.seed,
+        "placements": world.domain.placements_with_target(world.target_at),
+        "robot_start": world.domain.robot_start,
+        "real_time_factor": world.real_time_factor,
+    }
+
+
+def package_config(name: str) -> Path:
+    """A file of kr3_experiments/config."""
+    return repository_root() / "src" / "kr3_experiments" / "config" / name
+
+
+def start_stack(
+    stack: Stack, world: World, run_dir: Path, stack_file: Optional[Path], needs_map: bool = True
+) -> None:
+    """Start every node of the stack file on the stack's master.
+
+    @throws Kr3Error  no map, bad stack file; StackError  a node did not come up
+    """
+    if needs_map:
+        world.domain.require_map()
+    specs = load_stack(stack_file or package_config("stack.yaml"), stack_variables(world, run_dir))
+    stack.start_nodes(specs)
+
+
+def new_run_dir(kind: str) -> Path:
+    """A new folder below runs/ for what this run leaves behind."""
+    base = repository_root() / "runs"
+    stamp = time.strftime("%Y-%m-%d_%H%M%S")
+    for suffix in ("", *(f"_{number}" for number in range(2, 100))):
+        folder = base / f"{stamp}_{kind}{suffix}"
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            continue
+        except OSError as error:
+            raise Kr3Error(f"the run's folder {folder} cannot be made: {error.strerror}") from error
+        return folder
+    raise Kr3Error(f"no free folder name below {base}")
+
+
+def choose_port(requested: Optional[int], default: Optional[int] = None) -> int:
+    """The port asked for, else `default`, else a free one."""
+    return requested or default or free_port()
+
+
+class RunNote:
+    """`runs/current.json` while a stack runs: where its master is."""
+
+    def __init__(self, uri: str, run_dir: Path):
+        self._file = repository_root() / "runs" / "current.json"
+        self._content = {"master": uri, "run_dir": str(run_dir), "pid": os.getpid()}
+
+    def __enter__(self) -> "RunNote":
+        self._file.write_text(json.dumps(self._content) + "\n", encoding="utf-8")
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        try:
+            if json.loads(self._file.read_text(encoding="utf-8")) == self._content:
+                self._file.unlink()
+        except (OSError, json.JSONDecodeError):
+            pass  # somebody else's note by now
+
+
+def running_master(uri: Optional[str], report: Callable[[str], None] = print) -> str:
+    """The master to talk to: the one given, else the one of the last stack that was started.
+
+    @throws Kr3Error  none is running
+    """
+    if uri is None:
+        file = repository_root() / "runs" / "current.json"
+        try:
+            note = json.loads(file.read_text(encoding="utf-8"))
+        except (OSError, json.JSONDecodeError) as error:
+            raise Kr3Error("no robot is running: start it with ./kr3 up") from error
+        uri = note["master"]
+        report(f"(master {uri}, started by process {note['pid']})")
+    if not is_master(uri):
+        raise Kr3Error(f"no ROS master answers at {uri}: is the robot still running? Start it with ./kr3 up")
+    return uri

@@ -1,0 +1,140 @@
+"""A domain's folder as bring-up and demo see it: its files and its scenario. Knows no ROS."""
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Dict, List, Mapping
+
+import yaml
+
+from kr3_experiments.errors import Kr3Error
+
+
+def repository_root() -> Path:
+    """The repository: ./kr3 says where it is; otherwise it is found from this file."""
+    if "KR3_ROOT" in os.environ:
+        return Path(os.environ["KR3_ROOT"])
+    return Path(__file__).resolve().parents[4]
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """Axis-aligned, in the map frame, m."""
+
+    x_min: float
+    y_min: float
+    x_max: float
+    y_max: float
+
+    def contains(self, x: float, y: float) -> bool:
+        """Whether a point is inside or on the border."""
+        return self.x_min <= x <= self.x_max and self.y_min <= y <= self.y_max
+
+
+@dataclass(frozen=True)
+class Target:
+    """What the mission of the demo is about."""
+
+    object: str
+    goal_place: str
+    at: str  # where it really is, unless --target-at says otherwise
+    may_be_at: List[str]  # places that tests draw from
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Everything that is read from `domains/NAME`."""
+
+    name: str
+    folder: Path
+    goal: str
+    robot_start: List[float]  # x, y in m, yaw in rad; map frame
+    initial_records: List[Mapping[str, Any]]
+    target: Target
+    placements: Dict[str, str]  # object -> place, where it differs from the building's own; the target excluded
+    places: Dict[str, Rectangle]
+
+    @property
+    def scenario_file(self) -> Path:
+        """The file that the executive reads its initial records from."""
+        return self.folder / "scenario.yaml"
+
+    @property
+    def map_file(self) -> Path:
+        """The OctoMap of the building."""
+        return self.folder / "map.bt"
+
+    def placements_with_target(self, place: str) -> List[str]:
+        """"object=place" for every object that is not where the building has it. @throws Kr3Error  unknown place"""
+        if place not in self.places:
+            raise Kr3Error(f"'{place}' is no place of the domain {self.name}: there are {', '.join(sorted(self.places))}")
+        placements = {**self.placements, self.target.object: place}
+        return [f"{item}={where}" for item, where in sorted(placements.items())]
+
+    def require_map(self) -> None:
+        """@throws Kr3Error  the domain has no map yet"""
+        if not self.map_file.is_file():
+            raise Kr3Error(f"there is no map {self.map_file}: build it with ./kr3 map {self.name}")
+
+
+def load_domain(name: str, root: Path) -> Domain:
+    """Read `domains/NAME`. @throws Kr3Error  a file or a key is missing or wrong"""
+    folder = root / "domains" / name
+    if not folder.is_dir():
+        known = sorted(entry.name for entry in (root / "domains").glob("*") if entry.is_dir())
+        raise Kr3Error(f"there is no domain '{name}'; there are {', '.join(known) or 'none'}")
+    file = folder / "scenario.yaml"
+    scenario = _load(file)
+    building_file = folder / "building.yaml"
+    building = _load(building_file)
+    places = _places(building, building_file)
+    robot_start = _robot_start(building, building_file)
+    try:
+        target = scenario["target"]
+        domain = Domain(
+            name=name,
+            folder=folder,
+            goal=scenario["goal"],
+            robot_start=robot_start,
+            initial_records=list(scenario["initial_records"]),
+            target=Target(target["object"], target["goal_place"], target["at"], list(target["may_be_at"])),
+            placements=dict(scenario.get("placements") or {}),
+            places=places,
+        )
+    except (KeyError, TypeError) as error:
+        raise Kr3Error(f"{file}: missing or malformed key {error}") from error
+    named = [domain.target.goal_place, domain.target.at, *domain.target.may_be_at]
+    for place in [*named, *domain.placements.values()]:
+        if place not in places:
+            raise Kr3Error(f"{file}: '{place}' is no place of building.yaml, which has {', '.join(sorted(places))}")
+    return domain
+
+
+def _load(file: Path) -> Dict[str, Any]:
+    try:
+        content = yaml.safe_load(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise Kr3Error(f"{file}: {error.strerror}") from error
+    except yaml.YAMLError as error:
+        raise Kr3Error(f"{file}: not YAML: {error}") from error
+    if not isinstance(content, dict):
+        raise Kr3Error(f"{file}: expected keys with values")
+    return content
+
+
+def _places(building: Mapping[str, Any], file: Path) -> Dict[str, Rectangle]:
+    places: Dict[str, Rectangle] = {}
+    try:
+        for place in building["places"]:
+            x_min, y_min, x_max, y_max = (float(value) for value in place["rectangle"])
+            places[place["name"]] = Rectangle(x_min, y_min, x_max, y_max)
+    except (KeyError, TypeError, ValueError) as error:
+        raise Kr3Error(f"{file}: every entry of 'places' needs 'name' and 'rectangle' of four numbers") from error
+    return places
+
+
+def _robot_start(building: Mapping[str, Any], file: Path) -> List[float]:
+    try:
+        x, y, yaw = (float(value) for value in building["robot"]["start"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise Kr3Error(f"{file}: expected 'robot: {{start: [x, y, yaw]}}'") from error
+    return [x, y, yaw]

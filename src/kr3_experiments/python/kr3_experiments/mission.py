@@ -1,0 +1,181 @@
+"""One mission seen from outside: sends the goal, and collects what the robot reports on the way."""
+import threading
+import time
+from collections import OrderedDict
+from typing import Callable, Dict, List, Optional, Tuple
+
+import actionlib
+import cv2
+import rospy
+from actionlib_msgs.msg import GoalStatus
+from cv_bridge import CvBridge
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from kr3_msgs.msg import (
+    AchieveAction,
+    AchieveGoal,
+    AchieveResult,
+    DetectionArray,
+    ExecuteSkillActionGoal,
+    ExecuteSkillActionResult,
+    MissionEvent,
+    ModelStates,
+    SimulationState,
+)
+from nav_msgs.msg import OccupancyGrid
+from sensor_msgs.msg import CompressedImage, Image
+
+from kr3_experiments.errors import StackError
+from kr3_experiments.events import END_KINDS, Event, event_from_message
+from kr3_experiments.stack import Stack
+
+_KEPT_IMAGES = 40
+
+
+class EventFollower:
+    """Collects the executive's events and hands each to `on_event` (from a ROS thread)."""
+
+    def __init__(self, on_event: Callable[[Event], None]):
+        self.events: List[Event] = []
+        self._on_event = on_event
+        self._start_s: Optional[float] = None
+        self._subscriber = rospy.Subscriber("executive/events", MissionEvent, self._on_message, queue_size=1000)
+
+    def _on_message(self, message: MissionEvent) -> None:
+        if self._start_s is None or message.sequence == 0:
+            self._start_s = message.header.stamp.to_sec()
+        event = event_from_message(message, self._start_s)
+        self.events.append(event)
+        self._on_event(event)
+
+    def has_ended(self) -> bool:
+        """Whether the mission's last event is there."""
+        return bool(self.events) and self.events[-1].kind in END_KINDS
+
+
+class LookCollector:
+    """Keeps one picture of every look.
+
+    It listens to the camera's debug image only while a search runs: the camera renders only while somebody listens.
+    The picture is the one in which the object looked for was most probable, or the last one.
+    """
+
+    def __init__(self) -> None:
+        self.found_image: Optional[object] = None  # CV_8UC3, BGR: of the last search that found its object
+        self.found_what: List[str] = []  # arguments of that search
+        self._bridge = CvBridge()
+        self._lock = threading.Lock()
+        self._arguments: List[str] = []
+        self._images: "OrderedDict[rospy.Time, Image]" = OrderedDict()
+        self._scores: Dict[rospy.Time, float] = {}
+        self._listening: List[rospy.Subscriber] = []
+        self._publisher = rospy.Publisher("looks/image/compressed", CompressedImage, queue_size=10)
+        self._goals = rospy.Subscriber("skills/search/goal", ExecuteSkillActionGoal, self._on_goal)
+        self._results = rospy.Subscriber("skills/search/result", ExecuteSkillActionResult, self._on_result)
+
+    def _on_goal(self, message: ExecuteSkillActionGoal) -> None:
+        with self._lock:
+            self._arguments = list(message.goal.arguments)
+            self._images.clear()
+            self._scores.clear()
+            if not self._listening:
+                self._listening = [
+                    rospy.Subscriber("detections/image", Image, self._on_image, queue_size=5, buff_size=2**24),
+                    rospy.Subscriber("detections", DetectionArray, self._on_detections, queue_size=20),
+                ]
+
+    def _on_image(self, message: Image) -> None:
+        with self._lock:
+            self._images[message.header.stamp] = message
+            while len(self._images) > _KEPT_IMAGES:
+                self._images.popitem(last=False)
+
+    def _on_detections(self, message: DetectionArray) -> None:
+        with self._lock:
+            wanted = [item.probability for item in message.detections if item.name in self._arguments]
+            self._scores[message.header.stamp] = max(wanted, default=0.0)
+
+    def _on_result(self, message: ExecuteSkillActionResult) -> None:
+        with self._lock:
+            for subscriber in self._listening:
+                subscriber.unregister()
+            self._listening = []
+            if not self._images:
+                return
+            stamps = list(self._images)
+            best = max(stamps, key=lambda stamp: (self._scores.get(stamp, 0.0), stamp.to_sec()))
+            message_image = self._images[best]
+        picture = self._bridge.imgmsg_to_cv2(message_image, "bgr8")
+        encoded, data = cv2.imencode(".jpg", picture)
+        if encoded:
+            look = CompressedImage(header=message_image.header, format="jpeg", data=data.tobytes())
+            self._publisher.publish(look)
+        if message.result.outcome == "found":
+            self.found_image = picture.copy()
+            self.found_what = list(self._arguments)
+
+
+class WorldCollector:
+    """Keeps the robot's path, its map, the simulator's figures, and for the final check the ground truth."""
+
+    def __init__(self) -> None:
+        self.trajectory: List[Tuple[float, float, float]] = []  # time s, x m, y m; map frame
+        self.map: Optional[OccupancyGrid] = None
+        self.models: Optional[ModelStates] = None
+        self.contacts = 0
+        self._subscribers = [
+            rospy.Subscriber("pose", PoseWithCovarianceStamped, self._on_pose),
+            rospy.Subscriber("map", OccupancyGrid, self._on_map),
+            rospy.Subscriber("ground_truth/models", ModelStates, self._on_models),
+            rospy.Subscriber("simulation/state", SimulationState, self._on_simulation),
+        ]
+
+    def _on_pose(self, message: PoseWithCovarianceStamped) -> None:
+        position = message.pose.pose.position
+        if self.trajectory:
+            _, x, y = self.trajectory[-1]
+            if abs(position.x - x) + abs(position.y - y) < 0.02:
+                return
+        self.trajectory.append((message.header.stamp.to_sec(), position.x, position.y))
+
+    def _on_map(self, message: OccupancyGrid) -> None:
+        self.map = message
+
+    def _on_models(self, message: ModelStates) -> None:
+        self.models = message
+
+    def _on_simulation(self, message: SimulationState) -> None:
+        self.contacts = message.robot_contacts
+
+
+def achieve(
+    stack: Stack, goal: str, wall_limit_s: Optional[float], simulated_limit_s: float = 0.0
+) -> AchieveResult:
+    """Send the goal and wait for the result, looking after the stack. The goal is cancelled when this is interrupted.
+
+    @throws StackError  the executive does not answer, loses the goal, or the wall time ran out
+    """
+    client = actionlib.SimpleActionClient("executive/achieve", AchieveAction)
+    connected = threading.Event()
+    # Its own timeout is in simulated time, which may stand still.
+    threading.Thread(target=lambda: client.wait_for_server() and connected.set(), daemon=True).start()
+    if not stack.spin_until(connected.is_set, 15.0):
+        raise StackError("executive/achieve does not answer")
+    finished = threading.Event()
+    client.send_goal(
+        AchieveGoal(goal=goal, time_limit=rospy.Duration.from_sec(simulated_limit_s)),
+        done_cb=lambda _state, _result: finished.set(),
+    )
+    try:
+        in_time = stack.spin_until(finished.is_set, wall_limit_s)
+    except BaseException:
+        client.cancel_goal()
+        time.sleep(0.3)  # let the message out before the process ends
+        raise
+    if not in_time:
+        client.cancel_goal()
+        raise StackError(f"the mission did not end within {wall_limit_s:.0f} s of wall time")
+    result = client.get_result()
+    if result is None:
+        state = GoalStatus.to_string(client.get_state())
+        raise StackError(f"the executive gave no result (goal {state}: {client.get_goal_status_text()})")
+    return result

@@ -1,0 +1,128 @@
+"""The stack file: which nodes make up the robot, with what parameters, and how one sees that each is ready."""
+import re
+from dataclasses import dataclass, field
+from enum import Enum
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, Optional
+
+import yaml
+
+from kr3_experiments.errors import Kr3Error
+
+
+class ReadyKind(Enum):
+    """What shows that a node is ready."""
+
+    TOPIC = "topic"  # a message arrives on it
+    SERVICE = "service"  # it answers
+    ACTION = "action"  # its server listens for goals
+
+
+@dataclass(frozen=True)
+class ReadySign:
+    """`name` is the relative name of a topic, service or action."""
+
+    kind: ReadyKind
+    name: str
+
+
+@dataclass(frozen=True)
+class NodeSpec:
+    """One node: `rosrun package executable __name:=name`, after its parameters were set."""
+
+    name: str
+    package: str
+    executable: str
+    config: Optional[str]  # parameter file, relative to the package
+    parameters: Mapping[str, Any] = field(default_factory=dict)  # on top of `config`
+    arguments: List[str] = field(default_factory=list)
+    ready: List[ReadySign] = field(default_factory=list)
+    ready_timeout_s: float = 30.0  # wall time
+    max_restarts: int = 3
+
+
+_NODE_KEYS = {
+    "name",
+    "package",
+    "executable",
+    "config",
+    "parameters",
+    "arguments",
+    "ready",
+    "ready_timeout_s",
+    "max_restarts",
+}
+_PLACEHOLDER = re.compile(r"\{(\w+)\}")
+
+
+def substitute(value: Any, variables: Mapping[str, Any]) -> Any:
+    """Fill in {name} in every text of a nested value; a text that is one placeholder takes the variable's own type.
+
+    @throws Kr3Error  a placeholder without a variable
+    """
+    if isinstance(value, Mapping):
+        return {key: substitute(item, variables) for key, item in value.items()}
+    if isinstance(value, list):
+        return [substitute(item, variables) for item in value]
+    if not isinstance(value, str):
+        return value
+
+    def lookup(match: "re.Match[str]") -> Any:
+        name = match.group(1)
+        if name not in variables:
+            raise Kr3Error(f"unknown placeholder {{{name}}}; there are {', '.join(sorted(variables))}")
+        return variables[name]
+
+    whole = _PLACEHOLDER.fullmatch(value)
+    if whole:
+        return lookup(whole)
+    return _PLACEHOLDER.sub(lambda match: str(lookup(match)), value)
+
+
+def load_stack(file: Path, variables: Mapping[str, Any]) -> List[NodeSpec]:
+    """Read a stack file.
+
+    @throws Kr3Error  it cannot be read, or has an unknown key, a missing key or an unknown placeholder
+    """
+    try:
+        content = yaml.safe_load(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise Kr3Error(f"{file}: {error.strerror}") from error
+    except yaml.YAMLError as error:
+        raise Kr3Error(f"{file}: not YAML: {error}") from error
+    if not isinstance(content, dict) or not isinstance(content.get("nodes"), list):
+        raise Kr3Error(f"{file}: expected a list under 'nodes'")
+    try:
+        specs = [_node_spec(entry, variables) for entry in content["nodes"]]
+    except Kr3Error as error:
+        raise Kr3Error(f"{file}: {error}") from error
+    names = [spec.name for spec in specs]
+    for name in names:
+        if names.count(name) > 1:
+            raise Kr3Error(f"{file}: two nodes are called {name}")
+    return specs
+
+
+def _node_spec(entry: Dict[str, Any], variables: Mapping[str, Any]) -> NodeSpec:
+    if not isinstance(entry, dict) or not {"name", "package"} <= entry.keys():
+        raise Kr3Error(f"a node needs 'name' and 'package', found {entry!r}")
+    unknown = entry.keys() - _NODE_KEYS
+    if unknown:
+        raise Kr3Error(f"{entry['name']}: unknown key '{sorted(unknown)[0]}'; known: {', '.join(sorted(_NODE_KEYS))}")
+    signs: List[ReadySign] = []
+    for sign in entry.get("ready", []):
+        (kind, name), *rest = sign.items()
+        if rest or kind not in {item.value for item in ReadyKind}:
+            raise Kr3Error(f"{entry['name']}: a ready sign is one of topic, service, action; found {sign!r}")
+        signs.append(ReadySign(ReadyKind(kind), name))
+    return NodeSpec(
+        name=entry["name"],
+        package=entry["package"],
+        executable=entry.get("executable", entry["name"]),
+        config=entry.get("config"),
+        parameters=substitute(entry.get("parameters", {}), variables),
+        arguments=substitute(entry.get("arguments", []), variables),
+        ready=signs,
+        ready_timeout_s=float(entry.get("ready_timeout_s", NodeSpec.ready_timeout_s)),
+        max_restarts=int(entry.get("max_restarts", NodeSpec.max_restarts)),
+    )
