@@ -1,0 +1,89 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "kr3_reasoner/language.hpp"
+
+namespace kr3::reasoner
+{
+
+/// A description as an answer set program. Private to the package.
+///
+/// `h(F, V, t)`: the fluent F has the value V at step t (defined fluents: only V = true). `occ(A,
+/// t)`: the action A occurs between t and t + 1. `st(F, V)`: the static F has the value V.
+/// Variables of the description keep their names; our own begin with an underscore, which the
+/// language does not allow. Parts: `base`, `state(t)`, `trans(t)` from t-1 to t.
+class Encoding
+{
+public:
+  /// @param description  must outlive the encoding
+  explicit Encoding(const Description& description) : description_(description) {}
+
+  /// Sorts, fluents with their values, statics, actions (part `base`).
+  [[nodiscard]] std::string signature() const;
+
+  /// State constraints and definitions at step t (part `state(t)`).
+  [[nodiscard]] std::string state() const;
+
+  /// Causal laws, inertia and executability from t-1 to t (part `trans(t)`). `imp(A, t-1)`: A is
+  /// impossible at t-1.
+  [[nodiscard]] std::string transition() const;
+
+  /// `1 { h(F, V, 0) } 1` for every fluent that is not defined.
+  [[nodiscard]] static std::string anyState();
+
+  /// A literal at a step in a body: `h(loc(X), P, t)`.
+  [[nodiscard]] std::string literal(const Literal& literal, const std::string& step) const;
+
+  /// A ground or open fluent or action as a term: `loc(rob1)`.
+  [[nodiscard]] static std::string term(const Atom& atom);
+
+  /// The conditions that bind the variables of these parts to their sorts, each with a leading
+  /// comma.
+  class Guards;
+
+  /// `% file:line` of a statement, for people who read the translation.
+  [[nodiscard]] static std::string comment(const SourcePosition& position);
+
+  /// A body's conditions at a step, each with a leading comma.
+  [[nodiscard]] std::string body(const Body& body, const std::string& step) const;
+
+  [[nodiscard]] bool isBoolean(const Literal& literal) const;
+
+private:
+  [[nodiscard]] std::string lawRules(const CausalLaw& law, std::size_t index) const;
+  [[nodiscard]] std::string executabilityRules(const Executability& rule) const;
+
+  const Description& description_;
+};
+
+/// Collects the variables of a statement with the sorts of the positions they stand in.
+class Encoding::Guards
+{
+public:
+  explicit Guards(const Description& description) : description_(description) {}
+
+  Guards& fluent(const Atom& atom);
+  Guards& literal(const Literal& literal);
+  Guards& action(const Atom& atom);
+  Guards& body(const Body& body);
+
+  /// Adds the variables of `other` that are in `known` too.
+  Guards& shared(const Guards& other, const Guards& known);
+
+  /// `, sort(place, P), ...`
+  [[nodiscard]] std::string text() const;
+
+  /// The variables seen, in the order of their names.
+  [[nodiscard]] std::vector<std::string> variables() const;
+
+private:
+  void add(const Term& term, const std::string& sort);
+
+  const Description& description_;
+  std::map<std::string, std::vector<std::string>> sorts_;
+};
+
+}  // namespace kr3::reasoner

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kr3_reasoner/transition_system.hpp"
+
+namespace kr3::reasoner
+{
+
+/// All ground fluents of a description, statics left out, in the order of declaration and of the
+/// sorts' elements.
+[[nodiscard]] std::vector<GroundFluent> groundFluents(const Description& description);
+
+/// All ground instances of an action.
+[[nodiscard]] std::vector<std::string> groundActions(const ActionDeclaration& action,
+                                                     const Description& description);
+
+}  // namespace kr3::reasoner

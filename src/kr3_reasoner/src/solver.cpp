@@ -1,0 +1,102 @@
+#include "solver.hpp"
+
+#include <algorithm>
+#include <exception>
+
+#include <kr3_common/error.hpp>
+
+namespace kr3::reasoner
+{
+
+Solver::Solver(const std::vector<std::string>& arguments)
+  : messages_(std::make_unique<std::string>())
+{
+  std::vector<const char*> pointers;
+  for (const std::string& argument : arguments)
+  {
+    pointers.push_back(argument.c_str());
+  }
+  control_ = std::make_unique<Clingo::Control>(
+      Clingo::StringSpan(pointers.data(), pointers.size()),
+      [messages = messages_.get()](Clingo::WarningCode, const char* message) {
+    messages->append(message).append("\n");
+      },
+      20);
+}
+
+void Solver::add(const std::string& part, const std::vector<std::string>& parameters,
+                 const std::string& program)
+{
+  std::vector<const char*> names;
+  for (const std::string& parameter : parameters)
+  {
+    names.push_back(parameter.c_str());
+  }
+  try
+  {
+    control_->add(part.c_str(), Clingo::StringSpan(names.data(), names.size()), program.c_str());
+  }
+  catch (const std::exception& e)
+  {
+    throw InternalError("the generated program is malformed: " + std::string(e.what()) + "\n" +
+                        *messages_);
+  }
+}
+
+void Solver::ground(const std::vector<Part>& parts)
+{
+  std::vector<Clingo::SymbolVector> symbols;
+  for (const Part& part : parts)
+  {
+    symbols.emplace_back();
+    for (const int parameter : part.parameters)
+    {
+      symbols.back().push_back(Clingo::Number(parameter));
+    }
+  }
+  std::vector<Clingo::Part> ground_parts;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+  {
+    ground_parts.emplace_back(parts[i].name.c_str(),
+                              Clingo::SymbolSpan(symbols[i].data(), symbols[i].size()));
+  }
+  try
+  {
+    control_->ground(Clingo::PartSpan(ground_parts.data(), ground_parts.size()));
+  }
+  catch (const std::exception& e)
+  {
+    throw InternalError("grounding failed: " + std::string(e.what()) + "\n" + *messages_);
+  }
+}
+
+void Solver::configure(const std::string& key, const std::string& value)
+{
+  Clingo::Configuration node = control_->configuration();
+  std::size_t start = 0;
+  while (start <= key.size())
+  {
+    const std::size_t dot = std::min(key.find('.', start), key.size());
+    node = node[key.substr(start, dot - start).c_str()];
+    start = dot + 1;
+  }
+  node = value.c_str();
+}
+
+std::string toText(Clingo::Symbol symbol)
+{
+  if (symbol.type() != Clingo::SymbolType::Function || symbol.arguments().empty())
+  {
+    return symbol.to_string();
+  }
+  std::string text = symbol.name();
+  const char* separator = "(";
+  for (const Clingo::Symbol& argument : symbol.arguments())
+  {
+    text += separator + toText(argument);
+    separator = ", ";
+  }
+  return text + ")";
+}
+
+}  // namespace kr3::reasoner
