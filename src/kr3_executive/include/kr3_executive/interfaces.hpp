@@ -1,0 +1,111 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <kr3_pomdp/belief.hpp>
+#include <kr3_pomdp/model.hpp>
+#include <kr3_reasoner/reasoner.hpp>
+
+/// What the executive needs from others. Each interface has an implementation in process
+/// (in_process.hpp, abstract_world.hpp) and one that talks to nodes (ros/clients.hpp).
+namespace kr3::executive
+{
+
+/// The current step of a history: the largest step among its records, or one more when an action is
+/// recorded there; 0 for an empty one.
+[[nodiscard]] int currentStep(const std::vector<reasoner::Record>& history);
+
+/// The high level. A question about an inconsistent history throws FailedPrecondition.
+class HighLevelReasoner
+{
+public:
+  virtual ~HighLevelReasoner() = default;
+
+  /// All records are taken or none. @throws InvalidArgument  a record does not fit the description
+  virtual void setHistory(const std::vector<reasoner::Record>& records) = 0;
+  virtual void addRecords(const std::vector<reasoner::Record>& records) = 0;
+
+  [[nodiscard]] virtual reasoner::Diagnosis diagnose() = 0;
+  [[nodiscard]] virtual reasoner::Answer entails(const std::string& literal, int step) = 0;
+  [[nodiscard]] virtual bool possible(const std::string& literal, int step) = 0;
+  /// Entailed literals in the language, such as "loc(rob1) = office".
+  [[nodiscard]] virtual std::vector<std::string> entailedAt(int step) = 0;
+  [[nodiscard]] virtual reasoner::Explanation explain(const std::string& literal, int step) = 0;
+  /// @param cancel  may be set from another thread; the call then throws Cancelled
+  [[nodiscard]] virtual reasoner::PlanResult plan(const std::string& goal,
+                                                  const std::atomic<bool>& cancel) = 0;
+};
+
+/// When the solver may stop; whichever comes first.
+struct SolveBudget
+{
+  double precision = 0.5;
+  double time_s = 5.0;               ///< wall time; 0 = no limit
+  std::uint64_t max_backups = 5000;  ///< counted work; 0 = no limit
+};
+
+struct SolvedPolicy
+{
+  std::string id;
+  double lower = 0.0;
+  double upper = 0.0;
+  std::uint64_t backups = 0;
+  double cpu_s = 0.0;
+  bool cached = false;
+};
+
+/// Solves models and answers for their policies.
+class PolicyServer
+{
+public:
+  virtual ~PolicyServer() = default;
+
+  [[nodiscard]] virtual SolvedPolicy solve(const pomdp::Model& model, const SolveBudget& budget,
+                                           const std::atomic<bool>& cancel) = 0;
+  /// Index of the action at the belief. @throws NotFound  no such policy (any more)
+  [[nodiscard]] virtual std::size_t actionAt(const std::string& policy_id,
+                                             const pomdp::Belief& belief) = 0;
+};
+
+/// A ground low-level action with what its observation laws tell about.
+struct LowLevelAction
+{
+  std::string text;    ///< "search(rob1, c1, tb1)"
+  std::string symbol;  ///< "search"
+  std::vector<std::string> arguments;
+};
+
+/// The value of a ground fluent where the robot believes it to be, for bindings such as
+/// `${loc(R)}`; empty when it is not known.
+using FluentLookup = std::function<std::string(const std::string& fluent)>;
+
+struct LowLevelResult
+{
+  std::string outcome;                   ///< label, for people
+  std::vector<std::string> observation;  ///< one value for each observation law of the action, in
+                                         ///< the order of the description; a value's name, "true"
+                                         ///< or "false"
+  double confidence = 1.0;               ///< of the observation, (0, 1]
+  double duration_s = 0.0;
+};
+
+/// Executes ground low-level actions on a robot, real or simulated.
+class LowLevelExecutor
+{
+public:
+  virtual ~LowLevelExecutor() = default;
+
+  /// @param cancel  may be set from another thread: the action ends early and safely, and what was
+  ///                observed is returned or Cancelled is thrown
+  /// @throws Unavailable, DeadlineExceeded  the action could not be executed
+  [[nodiscard]] virtual LowLevelResult execute(const LowLevelAction& action,
+                                               const FluentLookup& believed,
+                                               const std::atomic<bool>& cancel) = 0;
+};
+
+}  // namespace kr3::executive

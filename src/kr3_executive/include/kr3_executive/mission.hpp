@@ -1,0 +1,233 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <kr3_common/error.hpp>
+#include <kr3_reasoner/reasoner.hpp>
+
+/// Algorithm 1 of Zhang, Sridharan, Gelfond and Wyatt (2014), "Control loop of architecture", as a
+/// pure transition function: no clock, no I/O, no solver. A driver turns decisions into requests
+/// and their results into events (driver.hpp).
+namespace kr3::executive
+{
+
+/// Where a mission stands; comments give the line of Algorithm 1.
+enum class Phase : std::uint8_t
+{
+  kIdle,
+  kReporting,   ///< line 1: what is known at the start enters the high-level history
+  kPlanning,    ///< lines 3-6, and 20-22: plans are requested
+  kPreparing,   ///< lines 9-11: zoom, initial belief, policy
+  kExecuting,   ///< lines 12-15
+  kRecording,   ///< line 16
+  kDiagnosing,  ///< lines 17-19
+  kReopening,   ///< every hypothesis was refuted: the least certain refutation is taken back
+  kFinished,
+};
+
+[[nodiscard]] const char* toString(Phase phase);
+
+/// Bounds that make every mission end.
+struct Limits
+{
+  std::uint32_t max_hl_actions = 40;  ///< per mission
+  std::uint32_t max_ll_actions = 60;  ///< per high-level action
+  std::uint32_t max_attempts = 3;     ///< of one high-level action under one hypothesis
+  std::uint32_t max_reopened = 3;     ///< refutations taken back per mission
+  std::uint32_t max_rebuilds = 3;     ///< of the low-level task, per high-level action
+  double threshold = 0.85;            ///< belief becomes knowledge above it, in (0.5, 1)
+};
+
+/// A plan with its expected low-level cost.
+struct CostedPlan
+{
+  reasoner::Plan plan;
+  double cost_s = 0.0;
+};
+
+/// A value that the low level doubts: an assumption of the high-level action under execution.
+struct Refutation
+{
+  std::string literal;       ///< such as "loc(tb1) = main_library"
+  double probability = 0.0;  ///< that it does not hold
+};
+
+/// What the low level believes about the high-level action under execution.
+struct Assessment
+{
+  double achieved = 0.0;                ///< probability that all its effects hold
+  std::vector<std::string> effects;     ///< literals that hold after it and did not before
+  std::vector<Refutation> refutations;  ///< for each assumption that the belief can refute
+  bool attempted = false;               ///< the physical action itself was executed
+  std::vector<std::string> changed;     ///< observed literals that neither hold before nor after
+  std::optional<std::string> happened;  ///< high-level action that `changed` shows to have occurred
+};
+
+// ---- Events -----------------------------------------------------------------------------------
+
+struct GoalGiven
+{
+  std::string goal;
+  Limits limits;
+  std::vector<reasoner::Record> records;  ///< line 1: may be empty
+  int step = 0;                           ///< current step of the history
+};
+struct RecordsAdded
+{
+  int step = 0;             ///< current step afterwards
+  bool unexpected = false;  ///< one of them contradicts what was entailed or assumed
+};
+struct PlanReady
+{
+  bool goal_entailed = false;
+  std::vector<CostedPlan> plans;
+  std::string reason;  ///< when there is none
+};
+struct PolicyReady
+{
+  Assessment assessment;  ///< at the initial belief
+};
+struct ActionExecuted
+{
+  std::string action;
+  Assessment assessment;  ///< after the belief update
+};
+/// The policy chose to finish.
+struct PolicyFinished
+{
+  Assessment assessment;
+};
+/// What was observed is impossible in the zoomed model.
+struct TaskLost
+{
+  std::string reason;
+};
+/// The plan's next action is impossible in what is known now, or changes nothing.
+struct ActionImpossible
+{
+  std::string reason;
+};
+struct DiagnosisReady
+{
+  bool consistent = true;
+};
+struct RefutationReopened
+{
+  bool found = false;  ///< whether there was one to take back
+};
+/// A person told a fact.
+struct Told
+{
+  reasoner::Record record;  ///< its step is set by the transition
+};
+struct CancelRequested
+{
+};
+/// A request could not be answered.
+struct RequestFailed
+{
+  ErrorCode code = ErrorCode::kInternal;
+  std::string message;
+};
+using Event = std::variant<GoalGiven, RecordsAdded, PlanReady, PolicyReady, ActionExecuted,
+                           PolicyFinished, TaskLost, ActionImpossible, DiagnosisReady,
+                           RefutationReopened, Told, CancelRequested, RequestFailed>;
+
+// ---- Decisions --------------------------------------------------------------------------------
+
+struct RequestPlan
+{
+};
+/// Lines 9-11 for the current high-level action of the plan.
+struct RequestPolicy
+{
+  std::string action;
+  bool rebuild = false;  ///< the robot is not where the last task could place it
+};
+/// Line 13: what the policy says at the belief.
+struct ExecutePolicyAction
+{
+};
+struct AddRecords
+{
+  std::vector<reasoner::Record> records;
+};
+struct RequestDiagnosis
+{
+};
+struct ReopenRefutation
+{
+};
+struct Finish
+{
+  ErrorCode code = ErrorCode::kOk;  ///< kOk also when no plan is left
+  bool achieved = false;            ///< the history entails the goal
+  std::string reason;
+};
+/// Nothing to do, the event changed nothing.
+struct Wait
+{
+};
+using Decision = std::variant<Wait, RequestPlan, RequestPolicy, ExecutePolicyAction, AddRecords,
+                              RequestDiagnosis, ReopenRefutation, Finish>;
+
+// ---- State and transition ---------------------------------------------------------------------
+
+/// How the last high-level action ended.
+enum class ActionResult : std::uint8_t
+{
+  kNone,
+  kAchieved,
+  kRefuted,
+  kDisplaced,   ///< the world changed in another way than intended
+  kUnresolved,  ///< the belief settles nothing
+};
+
+[[nodiscard]] const char* toString(ActionResult result);
+
+struct State
+{
+  Phase phase = Phase::kIdle;
+  std::string goal;
+  Limits limits;
+  int step = 0;  ///< current step of the high-level history
+  std::optional<CostedPlan> plan;
+  std::size_t plan_index = 0;  ///< step of the plan under execution
+  std::uint32_t hl_actions_done = 0;
+  std::uint32_t ll_actions_done = 0;
+  std::uint32_t ll_actions_here = 0;  ///< for the current high-level action
+  std::uint32_t rebuilds = 0;         ///< for the current high-level action
+  std::uint32_t reopened = 0;
+  std::map<std::string, std::uint32_t> failures;  ///< of an action under a hypothesis
+  ActionResult last_result = ActionResult::kNone;
+  Assessment assessment;          ///< of the current high-level action
+  bool cancelling = false;        ///< finish once the records are in
+  std::optional<Finish> outcome;  ///< set in kFinished
+
+  /// The high-level action under execution; empty if none.
+  [[nodiscard]] std::string currentAction() const;
+};
+
+struct Transition
+{
+  State state;
+  Decision decision;
+};
+
+/// One step of Algorithm 1. Total: an event that does not fit the phase gives Wait and the same
+/// state. Each mission ends in exactly one Finish.
+[[nodiscard]] Transition step(const State& state, const Event& event);
+
+/// The records that line 16 adds when an action ends with this result.
+[[nodiscard]] std::vector<reasoner::Record> recordsOf(const std::string& action, int step,
+                                                      ActionResult result,
+                                                      const Assessment& assessment,
+                                                      double threshold);
+
+}  // namespace kr3::executive

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <kr3_reasoner/reasoner.hpp>
+
+#include "kr3_executive/bindings.hpp"
+#include "kr3_executive/low_level_task.hpp"
+#include "kr3_executive/mission.hpp"
+
+namespace kr3::executive
+{
+
+/// The values equal the constants of kr3_msgs/MissionEvent.
+enum class EventKind : std::uint8_t
+{
+  kGoal = 0,
+  kPlan = 1,
+  kHighLevelAction = 2,
+  kPolicy = 3,
+  kLowLevelAction = 4,
+  kRecord = 5,
+  kDiagnosis = 6,
+  kReplan = 7,
+  kDone = 8,
+  kFailed = 9,
+  kCancelled = 10,
+};
+
+[[nodiscard]] const char* toString(EventKind kind);
+
+/// What happened, for people and for machines.
+struct Narration
+{
+  std::string text;
+  std::string data = "{}";  ///< one JSON object
+};
+
+struct ReportedEvent
+{
+  EventKind kind = EventKind::kGoal;
+  std::uint32_t sequence = 0;  ///< from 0 in each mission
+  std::uint32_t hl_step = 0;
+  std::string hl_action;
+  std::string ll_action;
+  Narration narration;
+};
+
+/// The low level's belief, as marginals.
+struct ReportedBelief
+{
+  std::string hl_action;
+  std::uint32_t hl_step = 0;
+  std::map<std::string, refinement::Distribution> fluents;
+  std::string summary;  ///< in a line
+};
+
+struct ExplainedFact
+{
+  std::string literal;
+  std::uint32_t step = 0;
+  std::string reason;
+};
+
+/// The mission as a whole.
+struct Snapshot
+{
+  State state;
+  std::string ll_action;  ///< under execution, empty if none
+  std::vector<reasoner::Record> history;
+  std::vector<ExplainedFact> facts;     ///< about what the goal mentions, at the current step
+  std::vector<std::string> exceptions;  ///< the minimal explanation in force
+};
+
+/// Receives what a mission does, in the mission's thread. Must not throw.
+class MissionObserver
+{
+public:
+  virtual ~MissionObserver() = default;
+  virtual void onEvent(const ReportedEvent& event) = 0;
+  virtual void onBelief(const ReportedBelief& belief) = 0;
+  virtual void onSnapshot(const Snapshot& snapshot) = 0;
+};
+
+/// Puts what the executive does into words, with the phrases of the domain.
+class Narrator
+{
+public:
+  /// @param defaults  names of the description's defaults ("d1"), to recognise them in reasons
+  Narrator(std::map<std::string, Phrase> phrases, const reasoner::Description& high_level);
+
+  /// "tb1 in main_library", or the literal itself where the domain has no phrase.
+  [[nodiscard]] std::string phrase(const std::string& literal) const;
+  /// "not found there"
+  [[nodiscard]] std::string refuted(const std::string& literal) const;
+
+  /// The ground default that the explanation rests on, "d1(tb1)"; empty if it rests on none.
+  [[nodiscard]] std::string defaultIn(const reasoner::Explanation& explanation) const;
+
+  [[nodiscard]] Narration goal(const std::string& goal) const;
+  [[nodiscard]] Narration plan(const CostedPlan& plan, std::size_t num_plans) const;
+  [[nodiscard]] Narration highLevelAction(const std::string& action, int step) const;
+  [[nodiscard]] Narration policy(const std::string& action, const SolvedPolicy& policy,
+                                 const refinement::PomdpTask& task) const;
+  [[nodiscard]] Narration lowLevelAction(const LowLevelAction& action, const LowLevelResult& result,
+                                         const LowLevelTask& task) const;
+  [[nodiscard]] Narration record(const reasoner::Record& record, bool unexpected) const;
+  [[nodiscard]] Narration replan(const std::string& why) const;
+  [[nodiscard]] Narration end(const Finish& finish, const State& state) const;
+
+  /// "expected tb1 in main_library (default d1(tb1)), not found there"
+  [[nodiscard]] std::string surprise(const reasoner::Record& record, const Support& expected) const;
+  /// "<surprises>: <why>; now expected tb1 in aux_library (default d2(tb1))"
+  [[nodiscard]] Narration diagnosis(const std::vector<std::string>& surprises,
+                                    const reasoner::Diagnosis& diagnosis,
+                                    const std::vector<std::string>& expectations) const;
+
+private:
+  std::map<std::string, Phrase> phrases_;
+  std::vector<std::string> defaults_;
+};
+
+}  // namespace kr3::executive

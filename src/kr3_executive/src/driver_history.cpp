@@ -1,0 +1,239 @@
+// The part of MissionDriver that touches the high-level history: records, diagnosis, told facts.
+
+#include <algorithm>
+#include <utility>
+
+#include "kr3_executive/driver.hpp"
+#include "literal_text.hpp"
+
+namespace kr3::executive
+{
+namespace
+{
+
+using reasoner::Answer;
+using reasoner::Record;
+using reasoner::RecordKind;
+
+bool isAction(const Record& record)
+{
+  return record.kind == RecordKind::kHappened || record.kind == RecordKind::kAttempted;
+}
+
+/// obs(f = v, false, k) of a valued fluent: what a refuted search leaves behind.
+bool isRefutation(const Record& record)
+{
+  return record.kind == RecordKind::kObserved && !record.value && record.confidence < 1.0 &&
+         !takeApart(record.statement).isBoolean();
+}
+
+void collectConstants(const reasoner::Formula& formula, std::vector<std::string>& constants)
+{
+  for (const auto& operand : formula.operands)
+    collectConstants(operand, constants);
+  for (const auto& argument : formula.literal.atom.arguments)
+    constants.push_back(argument.name);
+}
+
+}  // namespace
+
+int currentStep(const std::vector<Record>& history)
+{
+  int step = 0;
+  for (const auto& record : history)
+    step = std::max(step, record.step + (isAction(record) ? 1 : 0));
+  return step;
+}
+
+void MissionDriver::addToHistory(const std::vector<Record>& records)
+{
+  std::vector<Record> all = knowledge_.history;
+  all.insert(all.end(), records.begin(), records.end());
+  try
+  {
+    reasoner_.addRecords(records);
+  }
+  catch (const FailedPrecondition&)  // it was restarted, or holds another history
+  {
+    reasoner_.setHistory(all);
+  }
+  knowledge_.history = std::move(all);
+}
+
+bool MissionDriver::isUnexpected(const Record& record)
+{
+  const bool from_action = state_.phase == Phase::kRecording && record.source == "robot";
+  if (from_action)
+  {
+    if (state_.last_result == ActionResult::kAchieved || record.kind == RecordKind::kAttempted)
+      return false;
+    return true;  // refuted, displaced, or known to have failed
+  }
+  if (isAction(record) || record.step > currentStep(knowledge_.history))
+    return false;
+  const Answer contrary = record.value ? Answer::kFalse : Answer::kTrue;
+  return reasoner_.entails(record.statement, record.step) == contrary;
+}
+
+Event MissionDriver::performRecords(const std::vector<Record>& records)
+{
+  bool unexpected = false;
+  std::vector<bool> surprising;
+  for (const auto& record : records)
+  {
+    const bool surprise = isUnexpected(record);
+    surprising.push_back(surprise);
+    unexpected = unexpected || surprise;
+    if (!surprise)
+      continue;
+    const bool later = record.step > currentStep(knowledge_.history);
+    if (later && !isAction(record) && state_.last_result == ActionResult::kDisplaced)
+      continue;  // the action that is recorded with it says it all
+    const bool asked = !isAction(record) && !record.value && !later;
+    surprises_.push_back(
+        narrator_.surprise(record, asked ? supportOf(record.statement, record.step) : Support{}));
+    if (!isAction(record))
+      surprised_fluents_.push_back(takeApart(record.statement).fluent());
+  }
+  addToHistory(records);
+  for (std::size_t i = 0; i < records.size(); ++i)
+    report(EventKind::kRecord, narrator_.record(records[i], surprising[i]));
+  if (!unexpected)
+    refreshFacts();
+  return RecordsAdded{currentStep(knowledge_.history), unexpected};
+}
+
+Event MissionDriver::performDiagnosis()
+{
+  const reasoner::Diagnosis diagnosis = reasoner_.diagnose();
+  exceptions_.clear();
+  std::vector<std::string> expectations;
+  if (diagnosis.consistent)
+  {
+    if (!diagnosis.explanations.empty())
+      exceptions_ = diagnosis.explanations.front();
+    for (const auto& text : reasoner_.entailedAt(state_.step))
+    {
+      const LiteralText literal = takeApart(text);
+      const bool asked = std::find(surprised_fluents_.begin(), surprised_fluents_.end(),
+                                   literal.fluent()) != surprised_fluents_.end();
+      if (!asked || !literal.equal)
+        continue;
+      const Support support = supportOf(text, state_.step);
+      expectations.push_back(narrator_.phrase(text) +
+                             (support.reason.empty() ? "" : " (" + support.reason + ")"));
+    }
+  }
+  report(EventKind::kDiagnosis, narrator_.diagnosis(surprises_, diagnosis, expectations));
+  surprises_.clear();
+  surprised_fluents_.clear();
+  refreshFacts();
+  return DiagnosisReady{diagnosis.consistent};
+}
+
+Event MissionDriver::performReopen()
+{
+  auto& history = knowledge_.history;
+  auto least = history.end();
+  for (auto it = history.begin(); it != history.end(); ++it)
+  {
+    if (isRefutation(*it) && (least == history.end() || it->confidence < least->confidence))
+      least = it;
+  }
+  if (least == history.end())
+    return RefutationReopened{false};
+  Record reopened = *least;
+  const std::string fluent = takeApart(reopened.statement).fluent();
+  history.erase(least);
+  reasoner_.setHistory(history);
+  knowledge_.memory.erase(fluent);
+  Narration narration = narrator_.record(reopened, false);
+  narration.text = "taken back as the least certain refutation: " + narration.text;
+  report(EventKind::kRecord, std::move(narration));
+  return RefutationReopened{true};
+}
+
+void MissionDriver::tell(const Record& record)
+{
+  const auto literal = reasoner::parseGroundLiteral(record.statement, domain_.highLevel());
+  if (!(record.confidence > 0.0 && record.confidence <= 1.0))
+    throw InvalidArgument("confidence " + std::to_string(record.confidence) + ", expected (0, 1]");
+  Record told = record;
+  told.kind = RecordKind::kObserved;
+  told.statement = reasoner::toString(literal);
+  {
+    const std::lock_guard<std::mutex> lock(told_mutex_);
+    told_.push_back(std::move(told));
+  }
+  const std::unique_lock<std::mutex> idle(mission_mutex_, std::try_to_lock);
+  if (idle.owns_lock())
+    takeInTold();
+}
+
+void MissionDriver::takeInTold()
+{
+  std::vector<Record> told;
+  {
+    const std::lock_guard<std::mutex> lock(told_mutex_);
+    told.swap(told_);
+  }
+  if (told.empty())
+    return;
+  for (auto& record : told)
+    record.step = currentStep(knowledge_.history);
+  addToHistory(told);
+  for (const auto& record : told)
+    report(EventKind::kRecord, narrator_.record(record, false));
+  refreshFacts();
+  publish();
+}
+
+void MissionDriver::refreshFacts()
+{
+  facts_.clear();
+  if (!config_.explain_facts || state_.goal.empty())
+    return;
+  std::vector<std::string> constants;
+  collectConstants(reasoner::parseGoal(state_.goal, domain_.highLevel()), constants);
+  const int step = currentStep(knowledge_.history);
+  try
+  {
+    for (const auto& text : reasoner_.entailedAt(step))
+    {
+      const LiteralText literal = takeApart(text);
+      const bool about = std::any_of(literal.arguments.begin(), literal.arguments.end(),
+                                     [&](const std::string& argument) {
+        return std::find(constants.begin(), constants.end(), argument) != constants.end();
+      });
+      if (!about || !literal.equal || literal.value == "false")
+        continue;
+      const auto why = reasoner_.explain(text, step);
+      std::string reason;
+      for (const auto& line : why.reasons)
+        reason += (reason.empty() ? "" : "; ") + line;
+      facts_.push_back({text, static_cast<std::uint32_t>(step), reason});
+    }
+  }
+  catch (const FailedPrecondition&)  // an inconsistent history entails nothing
+  {
+    facts_.clear();
+  }
+}
+
+void MissionDriver::report(EventKind kind, Narration narration)
+{
+  ReportedEvent event;
+  event.kind = kind;
+  event.sequence = sequence_++;
+  event.hl_step = static_cast<std::uint32_t>(state_.step);
+  event.hl_action = state_.currentAction();
+  event.narration = std::move(narration);
+  observer_.onEvent(event);
+}
+
+void MissionDriver::publish()
+{
+  observer_.onSnapshot({state_, {}, knowledge_.history, facts_, exceptions_});
+}
+
+}  // namespace kr3::executive

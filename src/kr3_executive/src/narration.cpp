@@ -1,0 +1,297 @@
+#include "kr3_executive/narration.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "literal_text.hpp"
+
+namespace kr3::executive
+{
+namespace
+{
+
+using nlohmann::json;
+
+std::string rounded(double value, int digits = 2)
+{
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*f", digits, value);
+  return text;
+}
+
+std::string filled(std::string pattern, const LiteralText& literal)
+{
+  const auto replace = [&pattern](const std::string& key, const std::string& value) {
+    for (auto at = pattern.find(key); at != std::string::npos; at = pattern.find(key, at))
+    {
+      pattern.replace(at, key.size(), value);
+      at += value.size();
+    }
+  };
+  for (std::size_t i = 0; i < literal.arguments.size(); ++i)
+    replace("{" + std::to_string(i + 1) + "}", literal.arguments[i]);
+  replace("{value}", literal.value);
+  return pattern;
+}
+
+bool isWordCharacter(char c)
+{
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
+
+json assessmentJson(const Assessment& assessment)
+{
+  json refutations = json::object();
+  for (const auto& refutation : assessment.refutations)
+    refutations[refutation.literal] = refutation.probability;
+  return {{"achieved", assessment.achieved}, {"refuted", refutations}};
+}
+
+json planJson(const reasoner::Plan& plan)
+{
+  return {{"hypothesis", plan.hypothesis}, {"steps", plan.steps}};
+}
+
+}  // namespace
+
+const char* toString(EventKind kind)
+{
+  switch (kind)
+  {
+    case EventKind::kGoal:
+      return "GOAL";
+    case EventKind::kPlan:
+      return "PLAN";
+    case EventKind::kHighLevelAction:
+      return "HL_ACTION";
+    case EventKind::kPolicy:
+      return "POLICY";
+    case EventKind::kLowLevelAction:
+      return "LL_ACTION";
+    case EventKind::kRecord:
+      return "RECORD";
+    case EventKind::kDiagnosis:
+      return "DIAGNOSIS";
+    case EventKind::kReplan:
+      return "REPLAN";
+    case EventKind::kDone:
+      return "DONE";
+    case EventKind::kFailed:
+      return "FAILED";
+    case EventKind::kCancelled:
+      return "CANCELLED";
+  }
+  return "UNKNOWN";
+}
+
+Narrator::Narrator(std::map<std::string, Phrase> phrases, const reasoner::Description& high_level)
+  : phrases_(std::move(phrases))
+{
+  for (const auto& rule : high_level.defaults)
+    defaults_.push_back(rule.name.name);
+}
+
+std::string Narrator::phrase(const std::string& literal) const
+{
+  const LiteralText parts = takeApart(literal);
+  const auto found = phrases_.find(parts.symbol);
+  if (found == phrases_.end() || found->second.holds.empty())
+    return literal;
+  const std::string text = filled(found->second.holds, parts);
+  const bool denied = !parts.equal || parts.value == "false";
+  return denied ? "not " + text : text;
+}
+
+std::string Narrator::refuted(const std::string& literal) const
+{
+  const auto found = phrases_.find(takeApart(literal).symbol);
+  return found == phrases_.end() || found->second.refuted.empty() ? "but this is not so"
+                                                                  : found->second.refuted;
+}
+
+std::string Narrator::defaultIn(const reasoner::Explanation& explanation) const
+{
+  for (const auto& reason : explanation.reasons)
+  {
+    if (reason.find("default") == std::string::npos)
+      continue;
+    for (const auto& name : defaults_)
+    {
+      for (auto at = reason.find(name); at != std::string::npos; at = reason.find(name, at + 1))
+      {
+        const auto end = at + name.size();
+        if ((at > 0 && isWordCharacter(reason[at - 1])) ||
+            (end < reason.size() && isWordCharacter(reason[end])))
+          continue;
+        const bool has_arguments = end < reason.size() && reason[end] == '(';
+        const auto close = has_arguments ? reason.find(')', end) : std::string::npos;
+        return reason.substr(at, close == std::string::npos ? name.size() : close + 1 - at);
+      }
+    }
+  }
+  return {};
+}
+
+Narration Narrator::goal(const std::string& goal) const
+{
+  return {"goal: " + goal, json{{"goal", goal}}.dump()};
+}
+
+Narration Narrator::plan(const CostedPlan& plan, std::size_t num_plans) const
+{
+  std::string text = "plan: ";
+  for (std::size_t i = 0; i < plan.plan.steps.size(); ++i)
+    text += (i == 0 ? "" : ", ") + listed(plan.plan.steps[i]);
+  if (!plan.plan.hypothesis.empty())
+  {
+    std::vector<std::string> assumed;
+    for (const auto& literal : plan.plan.hypothesis)
+      assumed.push_back(phrase(literal));
+    text += "; it assumes " + listed(assumed);
+  }
+  if (num_plans > 1)
+  {
+    text += "; the cheapest of " + std::to_string(num_plans) + ", about " +
+            rounded(plan.cost_s, 0) + " s";
+  }
+  json data = planJson(plan.plan);
+  data["cost_s"] = std::isfinite(plan.cost_s) ? json(plan.cost_s) : json();
+  data["num_plans"] = num_plans;
+  return {text, data.dump()};
+}
+
+Narration Narrator::highLevelAction(const std::string& action, int step) const
+{
+  return {"step " + std::to_string(step) + ": " + action,
+          json{{"action", action}, {"step", step}}.dump()};
+}
+
+Narration Narrator::policy(const std::string& action, const SolvedPolicy& policy,
+                           const refinement::PomdpTask& task) const
+{
+  const auto& model = task.model();
+  std::vector<std::string> relevant;
+  for (const auto& constant : task.zoom().relevant)
+    relevant.push_back(constant.name);
+  const std::string text = "policy for " + action + ": " + std::to_string(model.numStates()) +
+                           " states over " + listed(relevant) + ", value in [" +
+                           rounded(policy.lower, 1) + ", " + rounded(policy.upper, 1) + "]" +
+                           (policy.cached ? " (from the cache)" : "");
+  return {text, json{{"action", action},
+                     {"policy_id", policy.id},
+                     {"lower", policy.lower},
+                     {"upper", policy.upper},
+                     {"backups", policy.backups},
+                     {"cpu_s", policy.cpu_s},
+                     {"cached", policy.cached},
+                     {"states", model.numStates()},
+                     {"actions", model.numActions()},
+                     {"observations", model.numObservations()},
+                     {"relevant", relevant}}
+                    .dump()};
+}
+
+Narration Narrator::lowLevelAction(const LowLevelAction& action, const LowLevelResult& result,
+                                   const LowLevelTask& task) const
+{
+  std::string text = action.text;
+  if (!result.outcome.empty())
+    text += ": " + result.outcome;
+  if (!result.observation.empty())
+    text += " (" + listed(result.observation) + ")";
+  const std::string summary = task.pomdp().summary(task.belief());
+  text += "; " + summary;
+  json data = {{"action", action.text},
+               {"symbol", action.symbol},
+               {"arguments", action.arguments},
+               {"outcome", result.outcome},
+               {"observation", result.observation},
+               {"confidence", result.confidence},
+               {"duration_s", result.duration_s},
+               {"belief", summary},
+               {"assessment", assessmentJson(task.assess())}};
+  return {text, data.dump()};
+}
+
+Narration Narrator::record(const reasoner::Record& record, bool unexpected) const
+{
+  return {reasoner::toString(record) + (unexpected ? " (unexpected)" : ""),
+          json{{"record", reasoner::toString(record)},
+               {"kind", static_cast<int>(record.kind)},
+               {"statement", record.statement},
+               {"value", record.value},
+               {"step", record.step},
+               {"confidence", record.confidence},
+               {"source", record.source},
+               {"unexpected", unexpected}}
+              .dump()};
+}
+
+Narration Narrator::replan(const std::string& why) const
+{
+  return {"the plan is no longer valid: " + why, json{{"why", why}}.dump()};
+}
+
+Narration Narrator::end(const Finish& finish, const State& state) const
+{
+  std::string text = finish.achieved ? "done: " : "not achieved: ";
+  text += finish.reason;
+  text += " after " + std::to_string(state.hl_actions_done) + " high-level and " +
+          std::to_string(state.ll_actions_done) + " low-level actions";
+  return {text, json{{"achieved", finish.achieved},
+                     {"reason", finish.reason},
+                     {"hl_actions", state.hl_actions_done},
+                     {"ll_actions", state.ll_actions_done}}
+                    .dump()};
+}
+
+std::string Narrator::surprise(const reasoner::Record& record, const Support& expected) const
+{
+  const std::string basis = expected.reason.empty() ? "" : " (" + expected.reason + ")";
+  const bool act = record.kind == reasoner::RecordKind::kHappened ||
+                   record.kind == reasoner::RecordKind::kAttempted;
+  if (act)
+    return record.statement + " occurred unintended";
+  if (!record.value)
+    return "expected " + phrase(record.statement) + basis + ", " + refuted(record.statement);
+  return "expected otherwise" + basis + ", but " + phrase(record.statement);
+}
+
+Narration Narrator::diagnosis(const std::vector<std::string>& surprises,
+                              const reasoner::Diagnosis& diagnosis,
+                              const std::vector<std::string>& expectations) const
+{
+  std::string text = listed(surprises);
+  if (!diagnosis.consistent)
+  {
+    text += "; no explanation: " + listed(diagnosis.conflict) + " contradict each other";
+  }
+  else if (diagnosis.explanations.size() == 1 && !diagnosis.explanations.front().empty())
+  {
+    text += ": " + (diagnosis.in_words.empty() ? listed(diagnosis.explanations.front())
+                                               : diagnosis.in_words.front());
+  }
+  else if (diagnosis.explanations.size() > 1)
+  {
+    text += ": " + std::to_string(diagnosis.explanations.size()) + " explanations, such as " +
+            (diagnosis.in_words.empty() ? listed(diagnosis.explanations.front())
+                                        : diagnosis.in_words.front());
+  }
+  if (!expectations.empty())
+    text += "; now expected " + listed(expectations);
+  return {text, json{{"surprises", surprises},
+                     {"consistent", diagnosis.consistent},
+                     {"cost", diagnosis.cost},
+                     {"explanations", diagnosis.explanations},
+                     {"in_words", diagnosis.in_words},
+                     {"conflict", diagnosis.conflict},
+                     {"now_expected", expectations}}
+                    .dump()};
+}
+
+}  // namespace kr3::executive
