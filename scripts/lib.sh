@@ -21,6 +21,16 @@ fail() {
 clingo_version() { sed -n 's/^version=//p' "$root/third_party/clingo.lock"; }
 clingo_prefix() { printf '%s/kr3/clingo-%s\n' "${XDG_CACHE_HOME:-$HOME/.cache}" "$(clingo_version)"; }
 
+# Names of third_party/debian-packages.txt that are not installed, one a line.
+missing_packages() {
+  local wanted installed
+  wanted=$(grep -vE '^\s*(#|$)' "$root/third_party/debian-packages.txt" | LC_ALL=C sort -u)
+  # shellcheck disable=SC2086
+  installed=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' $wanted 2> /dev/null |
+    awk '$2 == "installed" { print $1 }' | LC_ALL=C sort -u || true)
+  LC_ALL=C comm -23 <(printf '%s\n' "$wanted") <(printf '%s\n' "$installed")
+}
+
 workspace_is_built() { [ -f "$workspace/build/.kr3_built" ]; }
 
 require_workspace() {

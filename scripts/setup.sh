@@ -32,15 +32,6 @@ check_disk() {
   fi
 }
 
-missing_packages() {
-  local wanted installed
-  wanted=$(grep -vE '^\s*(#|$)' "$root/third_party/debian-packages.txt" | LC_ALL=C sort -u)
-  # shellcheck disable=SC2086
-  installed=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' $wanted 2> /dev/null |
-    awk '$2 == "installed" { print $1 }' | LC_ALL=C sort -u || true)
-  LC_ALL=C comm -23 <(printf '%s\n' "$wanted") <(printf '%s\n' "$installed")
-}
-
 install_packages() {
   local as_root=()
   if [ "$(id -u)" -ne 0 ]; then

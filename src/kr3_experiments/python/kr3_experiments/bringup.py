@@ -28,14 +28,24 @@ class World:
 
 def add_world_options(parser: argparse.ArgumentParser) -> None:
     """The options that `world_from` reads."""
-    parser.add_argument("--domain", default="office", help="folder below domains/ (default: office)")
-    parser.add_argument("--seed", type=int, default=1, help="seed of the simulated world and its noise (default: 1)")
+    parser.add_argument(
+        "--domain", default="office", help="folder below domains/ (default: office)"
+    )
+    parser.add_argument(
+        "--seed", type=int, default=1, help="seed of the simulated world and its noise (default: 1)"
+    )
     parser.add_argument("--target-at", metavar="PLACE", help="where the object asked for really is")
     parser.add_argument(
-        "--real-time-factor", type=float, default=0.0, metavar="X", help="simulated s per s; 0: as fast as possible"
+        "--real-time-factor",
+        type=float,
+        default=0.0,
+        metavar="X",
+        help="simulated s per s; 0: as fast as possible",
     )
     parser.add_argument("--port", type=int, help="port of the ROS master")
-    parser.add_argument("--stack", type=Path, metavar="FILE", help="another list of nodes than config/stack.yaml")
+    parser.add_argument(
+        "--stack", type=Path, metavar="FILE", help="another list of nodes than config/stack.yaml"
+    )
 
 
 def world_from(args: argparse.Namespace) -> World:
@@ -134,5 +144,7 @@ def running_master(uri: Optional[str], report: Callable[[str], None] = print) ->
         uri = note["master"]
         report(f"(master {uri}, started by process {note['pid']})")
     if not is_master(uri):
-        raise Kr3Error(f"no ROS master answers at {uri}: is the robot still running? Start it with ./kr3 up")
+        raise Kr3Error(
+            f"no ROS master answers at {uri}: is the robot still running? Start it with ./kr3 up"
+        )
     return uri

@@ -35,7 +35,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--goal", help="another goal than the scenario's")
     parser.add_argument("--no-bag", action="store_true", help="record nothing")
     parser.add_argument(
-        "--time-limit", type=float, default=600.0, metavar="S", help="wall time for the mission, s (default: 600)"
+        "--time-limit",
+        type=float,
+        default=600.0,
+        metavar="S",
+        help="wall time for the mission, s (default: 600)",
     )
 
 
@@ -51,7 +55,9 @@ def run(args: argparse.Namespace) -> int:
     goal = args.goal or world.domain.goal
     terminal.heading(f"KR3 demo: domain {world.domain.name}, seed {world.seed}")
     terminal.detail(f"goal: {goal}")
-    terminal.detail(f"in truth {world.domain.target.object} is in {world.target_at} (the robot does not know)")
+    terminal.detail(
+        f"in truth {world.domain.target.object} is in {world.target_at} (the robot does not know)"
+    )
     terminal.heading("Starting the stack")
     started = time.monotonic()
     with Stack(run_dir, terminal.detail) as stack:
@@ -59,7 +65,11 @@ def run(args: argparse.Namespace) -> int:
         with RunNote(stack.uri, run_dir):
             start_stack(stack, world, run_dir, args.stack)
             observers = Observers(terminal)
-            recorder = None if profile is None else start_recording(stack, profile, run_dir / "mission.bag")
+            recorder = (
+                None
+                if profile is None
+                else start_recording(stack, profile, run_dir / "mission.bag")
+            )
             start_s = time.monotonic() - started
             terminal.heading(f"Mission (stack started in {start_s:.1f} s)")
             complete = False
@@ -122,7 +132,8 @@ def mission_verdict(
         raise StackError("the simulator's ground truth did not arrive")
     models = observers.world.models
     positions = {
-        model.name: (model.pose.position.x, model.pose.position.y, model.pose.position.z) for model in models.models
+        model.name: (model.pose.position.x, model.pose.position.y, model.pose.position.z)
+        for model in models.models
     }
     return check_fetched(world.domain, positions, models.held)
 
@@ -185,7 +196,9 @@ def _conclude(
     terminal.detail(f"{'report':<22} {run_dir / 'report.html'}")
     if recorder is not None and recorder.bag.exists():
         terminal.detail(f"{'bag':<22} {recorder.bag} ({recorder.bag.stat().st_size / 1e6:.1f} MB)")
-    terminal.verdict(verdict.success, f"{'SUCCESS' if verdict.success else 'FAILURE'}: {verdict.reason}")
+    terminal.verdict(
+        verdict.success, f"{'SUCCESS' if verdict.success else 'FAILURE'}: {verdict.reason}"
+    )
     return 0 if verdict.success else 1
 
 
@@ -195,6 +208,8 @@ def _grid(observers: Observers) -> Optional[GridMap]:
         return None
     info = message.info
     if info.height * info.width != len(message.data):
-        raise Kr3Error(f"the map has {len(message.data)} cells, expected {info.height} x {info.width}")
+        raise Kr3Error(
+            f"the map has {len(message.data)} cells, expected {info.height} x {info.width}"
+        )
     cells = np.array(message.data, dtype=np.int8).reshape(info.height, info.width)
     return GridMap(cells, info.resolution, info.origin.position.x, info.origin.position.y)

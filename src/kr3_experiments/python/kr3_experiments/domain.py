@@ -50,7 +50,9 @@ class Domain:
     robot_start: List[float]  # x, y in m, yaw in rad; map frame
     initial_records: List[Mapping[str, Any]]
     target: Target
-    placements: Dict[str, str]  # object -> place, where it differs from the building's own; the target excluded
+    placements: Dict[
+        str, str
+    ]  # object -> place, where it differs from the building's own; the target excluded
     places: Dict[str, Rectangle]
 
     @property
@@ -64,9 +66,11 @@ class Domain:
         return self.folder / "map.bt"
 
     def placements_with_target(self, place: str) -> List[str]:
-        """"object=place" for every object that is not where the building has it. @throws Kr3Error  unknown place"""
+        """ "object=place" for every object that is not where the building has it. @throws Kr3Error  unknown place"""
         if place not in self.places:
-            raise Kr3Error(f"'{place}' is no place of the domain {self.name}: there are {', '.join(sorted(self.places))}")
+            raise Kr3Error(
+                f"'{place}' is no place of the domain {self.name}: there are {', '.join(sorted(self.places))}"
+            )
         placements = {**self.placements, self.target.object: place}
         return [f"{item}={where}" for item, where in sorted(placements.items())]
 
@@ -96,7 +100,9 @@ def load_domain(name: str, root: Path) -> Domain:
             goal=scenario["goal"],
             robot_start=robot_start,
             initial_records=list(scenario["initial_records"]),
-            target=Target(target["object"], target["goal_place"], target["at"], list(target["may_be_at"])),
+            target=Target(
+                target["object"], target["goal_place"], target["at"], list(target["may_be_at"])
+            ),
             placements=dict(scenario.get("placements") or {}),
             places=places,
         )
@@ -105,7 +111,9 @@ def load_domain(name: str, root: Path) -> Domain:
     named = [domain.target.goal_place, domain.target.at, *domain.target.may_be_at]
     for place in [*named, *domain.placements.values()]:
         if place not in places:
-            raise Kr3Error(f"{file}: '{place}' is no place of building.yaml, which has {', '.join(sorted(places))}")
+            raise Kr3Error(
+                f"{file}: '{place}' is no place of building.yaml, which has {', '.join(sorted(places))}"
+            )
     return domain
 
 
@@ -128,7 +136,9 @@ def _places(building: Mapping[str, Any], file: Path) -> Dict[str, Rectangle]:
             x_min, y_min, x_max, y_max = (float(value) for value in place["rectangle"])
             places[place["name"]] = Rectangle(x_min, y_min, x_max, y_max)
     except (KeyError, TypeError, ValueError) as error:
-        raise Kr3Error(f"{file}: every entry of 'places' needs 'name' and 'rectangle' of four numbers") from error
+        raise Kr3Error(
+            f"{file}: every entry of 'places' needs 'name' and 'rectangle' of four numbers"
+        ) from error
     return places
 
 

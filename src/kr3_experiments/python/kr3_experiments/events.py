@@ -89,7 +89,10 @@ def event_from_message(message: Any, start_s: float) -> Event:
 def terminal_line(event: Event, colour: bool) -> str:
     """The event as it scrolls by: simulated time, kind, text; further lines of the text are indented."""
     indent = " " * 22
-    text = event.text.strip().replace("\n", "\n" + indent)
+    text = event.text.strip()
+    if event.label and text.lower().startswith(event.label + ": "):
+        text = text[len(event.label) + 2 :]
+    text = text.replace("\n", "\n" + indent)
     if event.kind is EventKind.LL_ACTION:
         text = "- " + text
     line = f"{event.time_s:8.1f} s  {event.label:<10} {text}"

@@ -25,7 +25,9 @@ def require_free_port(port: int) -> None:
     except (OSError, OverflowError) as error:
         owner = "another ROS master" if is_master(f"http://127.0.0.1:{port}") else "another program"
         if isinstance(error, OSError) and error.errno == 98:
-            raise Kr3Error(f"port {port} is in use by {owner}; choose another with --port") from error
+            raise Kr3Error(
+                f"port {port} is in use by {owner}; choose another with --port"
+            ) from error
         raise Kr3Error(f"port {port} cannot be used: {error}") from error
 
 
@@ -42,7 +44,9 @@ def is_master(uri: str, timeout_s: float = 2.0) -> bool:
         socket.setdefaulttimeout(previous)
 
 
-def start_master(port: int, log: Path, environment: Mapping[str, str], timeout_s: float = 15.0) -> ManagedProcess:
+def start_master(
+    port: int, log: Path, environment: Mapping[str, str], timeout_s: float = 15.0
+) -> ManagedProcess:
     """Start rosmaster and wait until it answers.
 
     @throws Kr3Error    the port is in use

@@ -38,7 +38,9 @@ class EventFollower:
         self.events: List[Event] = []
         self._on_event = on_event
         self._start_s: Optional[float] = None
-        self._subscriber = rospy.Subscriber("executive/events", MissionEvent, self._on_message, queue_size=1000)
+        self._subscriber = rospy.Subscriber(
+            "executive/events", MissionEvent, self._on_message, queue_size=1000
+        )
 
     def _on_message(self, message: MissionEvent) -> None:
         if self._start_s is None or message.sequence == 0:
@@ -60,7 +62,9 @@ class LookCollector:
     """
 
     def __init__(self) -> None:
-        self.found_image: Optional[object] = None  # CV_8UC3, BGR: of the last search that found its object
+        self.found_image: Optional[
+            object
+        ] = None  # CV_8UC3, BGR: of the last search that found its object
         self.found_what: List[str] = []  # arguments of that search
         self._bridge = CvBridge()
         self._lock = threading.Lock()
@@ -70,7 +74,15 @@ class LookCollector:
         self._listening: List[rospy.Subscriber] = []
         self._publisher = rospy.Publisher("looks/image/compressed", CompressedImage, queue_size=10)
         self._goals = rospy.Subscriber("skills/search/goal", ExecuteSkillActionGoal, self._on_goal)
-        self._results = rospy.Subscriber("skills/search/result", ExecuteSkillActionResult, self._on_result)
+        self._results = rospy.Subscriber(
+            "skills/search/result", ExecuteSkillActionResult, self._on_result
+        )
+
+    def close(self) -> None:
+        """Stop listening."""
+        with self._lock:
+            for subscriber in (self._goals, self._results, *self._listening):
+                subscriber.unregister()
 
     def _on_goal(self, message: ExecuteSkillActionGoal) -> None:
         with self._lock:
@@ -79,8 +91,12 @@ class LookCollector:
             self._scores.clear()
             if not self._listening:
                 self._listening = [
-                    rospy.Subscriber("detections/image", Image, self._on_image, queue_size=5, buff_size=2**24),
-                    rospy.Subscriber("detections", DetectionArray, self._on_detections, queue_size=20),
+                    rospy.Subscriber(
+                        "detections/image", Image, self._on_image, queue_size=5, buff_size=2**24
+                    ),
+                    rospy.Subscriber(
+                        "detections", DetectionArray, self._on_detections, queue_size=20
+                    ),
                 ]
 
     def _on_image(self, message: Image) -> None:
@@ -91,7 +107,9 @@ class LookCollector:
 
     def _on_detections(self, message: DetectionArray) -> None:
         with self._lock:
-            wanted = [item.probability for item in message.detections if item.name in self._arguments]
+            wanted = [
+                item.probability for item in message.detections if item.name in self._arguments
+            ]
             self._scores[message.header.stamp] = max(wanted, default=0.0)
 
     def _on_result(self, message: ExecuteSkillActionResult) -> None:
@@ -157,7 +175,9 @@ def achieve(
     client = actionlib.SimpleActionClient("executive/achieve", AchieveAction)
     connected = threading.Event()
     # Its own timeout is in simulated time, which may stand still.
-    threading.Thread(target=lambda: client.wait_for_server() and connected.set(), daemon=True).start()
+    threading.Thread(
+        target=lambda: client.wait_for_server() and connected.set(), daemon=True
+    ).start()
     if not stack.spin_until(connected.is_set, 15.0):
         raise StackError("executive/achieve does not answer")
     finished = threading.Event()
@@ -177,5 +197,7 @@ def achieve(
     result = client.get_result()
     if result is None:
         state = GoalStatus.to_string(client.get_state())
-        raise StackError(f"the executive gave no result (goal {state}: {client.get_goal_status_text()})")
+        raise StackError(
+            f"the executive gave no result (goal {state}: {client.get_goal_status_text()})"
+        )
     return result

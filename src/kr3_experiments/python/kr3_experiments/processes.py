@@ -27,7 +27,9 @@ class ManagedProcess:
     Start it from the main thread only: Linux ties its life to the thread that started it.
     """
 
-    def __init__(self, name: str, command: Sequence[str], log: Path, environment: Mapping[str, str]):
+    def __init__(
+        self, name: str, command: Sequence[str], log: Path, environment: Mapping[str, str]
+    ):
         self.name = name
         self.command = list(command)
         self.log = log
@@ -145,7 +147,8 @@ class Supervisor:
                 allowed = self._restarts_allowed[name]
                 again = f" after {allowed} restarts" if allowed else ""
                 raise StackError(
-                    f"{name} ended{again} ({describe_exit(code)}); the end of {process.log}:\n" + process.log_tail()
+                    f"{name} ended{again} ({describe_exit(code)}); the end of {process.log}:\n"
+                    + process.log_tail()
                 )
             self._restarts_left[name] -= 1
             count = self._restarts_allowed[name] - self._restarts_left[name]

@@ -33,7 +33,9 @@ def load_profile(file: Path) -> Profile:
     except OSError as error:
         raise Kr3Error(f"{file}: {error.strerror}") from error
     except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
-        raise Kr3Error(f"{file}: expected topics, min_free_mb and stop_below_mb ({error})") from error
+        raise Kr3Error(
+            f"{file}: expected topics, min_free_mb and stop_below_mb ({error})"
+        ) from error
     if not profile.topics:
         raise Kr3Error(f"{file}: no topics")
     return profile
@@ -97,7 +99,9 @@ def start_recording(stack: Stack, profile: Profile, bag: Path, timeout_s: float 
     deadline = time.monotonic() + timeout_s
     while not recorder.is_recording():
         if time.monotonic() > deadline:
-            raise Kr3Error(f"the recording did not start within {timeout_s:.0f} s (see log/recorder.log)")
+            raise Kr3Error(
+                f"the recording did not start within {timeout_s:.0f} s (see log/recorder.log)"
+            )
         stack.poll()
         time.sleep(0.05)
     return recorder

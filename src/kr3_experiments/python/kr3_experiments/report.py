@@ -111,11 +111,36 @@ def trajectory_png(record: MissionRecord) -> bytes:
             grid.y_min,
             grid.y_min + rows * grid.resolution,
         )
-        axes.imshow(shade, origin="lower", extent=extent, cmap="gray", vmin=0, vmax=1, interpolation="nearest")
+        axes.imshow(
+            shade,
+            origin="lower",
+            extent=extent,
+            cmap="gray",
+            vmin=0,
+            vmax=1,
+            interpolation="nearest",
+        )
     for name, area in record.places.items():
         width, height = area.x_max - area.x_min, area.y_max - area.y_min
-        axes.add_patch(Patch((area.x_min, area.y_min), width, height, fill=False, edgecolor="#3b82c4", linewidth=0.8))
-        axes.text(area.x_min + width / 2, area.y_max - 0.3, name, ha="center", va="top", color="#1f5c99", fontsize=9)
+        axes.add_patch(
+            Patch(
+                (area.x_min, area.y_min),
+                width,
+                height,
+                fill=False,
+                edgecolor="#3b82c4",
+                linewidth=0.8,
+            )
+        )
+        axes.text(
+            area.x_min + width / 2,
+            area.y_max - 0.3,
+            name,
+            ha="center",
+            va="top",
+            color="#1f5c99",
+            fontsize=9,
+        )
     if record.trajectory:
         times, xs, ys = (np.array(column) for column in zip(*record.trajectory))
         points = axes.scatter(xs, ys, c=times - times[0], s=6, cmap="plasma", zorder=3)
@@ -149,14 +174,19 @@ def _found(record: MissionRecord) -> str:
     axes.imshow(record.found_image)
     axes.set_axis_off()
     what = html.escape(", ".join(record.found_what))
-    return _image(_png(figure), "Camera frame of the find") + f"<p class='muted'>The robot's camera: {what}</p>"
+    return (
+        _image(_png(figure), "Camera frame of the find")
+        + f"<p class='muted'>The robot's camera: {what}</p>"
+    )
 
 
 def _figures_table(figures: Mapping[str, Any]) -> str:
     rows = []
     for name, value in figures.items():
         shown = f"{value:.2f}" if isinstance(value, float) else str(value)
-        rows.append(f"<tr><td>{html.escape(name.replace('_', ' '))}</td><td>{html.escape(shown)}</td></tr>")
+        rows.append(
+            f"<tr><td>{html.escape(name.replace('_', ' '))}</td><td>{html.escape(shown)}</td></tr>"
+        )
     return f"<table>{''.join(rows)}</table>"
 
 

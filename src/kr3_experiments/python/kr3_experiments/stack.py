@@ -96,7 +96,13 @@ class Stack:
         """
         for spec in specs:
             self._set_parameters(spec)
-            command = ["rosrun", spec.package, spec.executable, *spec.arguments, f"__name:={spec.name}"]
+            command = [
+                "rosrun",
+                spec.package,
+                spec.executable,
+                *spec.arguments,
+                f"__name:={spec.name}",
+            ]
             self.start_process(spec.name, command, spec.max_restarts)
         started = time.monotonic()
         for spec in specs:
@@ -114,7 +120,9 @@ class Stack:
             self._supervisor.raise_if_ended()
             pending = [sign for sign in pending if not sign.is_given()]
             if pending and time.monotonic() > deadline:
-                missing = ", ".join(f"{sign.sign.kind.value} '{sign.sign.name}'" for sign in pending)
+                missing = ", ".join(
+                    f"{sign.sign.kind.value} '{sign.sign.name}'" for sign in pending
+                )
                 log = self._logs / f"{spec.name}.log"
                 raise StackError(
                     f"{spec.name} was not ready within {spec.ready_timeout_s:.0f} s (no {missing}); the end of {log}:\n"
@@ -129,7 +137,9 @@ class Stack:
         try:
             folder = Path(rospkg.RosPack().get_path(spec.package))
         except rospkg.ResourceNotFound as error:
-            raise Kr3Error(f"package {spec.package} of {spec.name} is not in the workspace") from error
+            raise Kr3Error(
+                f"package {spec.package} of {spec.name} is not in the workspace"
+            ) from error
         if spec.config is not None:
             parameters.update(_load_parameters(folder / spec.config))
         parameters.update(spec.parameters)
@@ -161,7 +171,10 @@ class Stack:
 
     def end(self) -> None:
         """End everything that was started; takes bounded time, meanwhile Ctrl-C changes nothing. May be called twice."""
-        previous = {number: signal.signal(number, signal.SIG_IGN) for number in (signal.SIGINT, signal.SIGTERM)}
+        previous = {
+            number: signal.signal(number, signal.SIG_IGN)
+            for number in (signal.SIGINT, signal.SIGTERM)
+        }
         try:
             self._end()
         finally:

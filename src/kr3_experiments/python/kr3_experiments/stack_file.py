@@ -70,7 +70,9 @@ def substitute(value: Any, variables: Mapping[str, Any]) -> Any:
     def lookup(match: "re.Match[str]") -> Any:
         name = match.group(1)
         if name not in variables:
-            raise Kr3Error(f"unknown placeholder {{{name}}}; there are {', '.join(sorted(variables))}")
+            raise Kr3Error(
+                f"unknown placeholder {{{name}}}; there are {', '.join(sorted(variables))}"
+            )
         return variables[name]
 
     whole = _PLACEHOLDER.fullmatch(value)
@@ -108,12 +110,16 @@ def _node_spec(entry: Dict[str, Any], variables: Mapping[str, Any]) -> NodeSpec:
         raise Kr3Error(f"a node needs 'name' and 'package', found {entry!r}")
     unknown = entry.keys() - _NODE_KEYS
     if unknown:
-        raise Kr3Error(f"{entry['name']}: unknown key '{sorted(unknown)[0]}'; known: {', '.join(sorted(_NODE_KEYS))}")
+        raise Kr3Error(
+            f"{entry['name']}: unknown key '{sorted(unknown)[0]}'; known: {', '.join(sorted(_NODE_KEYS))}"
+        )
     signs: List[ReadySign] = []
     for sign in entry.get("ready", []):
         (kind, name), *rest = sign.items()
         if rest or kind not in {item.value for item in ReadyKind}:
-            raise Kr3Error(f"{entry['name']}: a ready sign is one of topic, service, action; found {sign!r}")
+            raise Kr3Error(
+                f"{entry['name']}: a ready sign is one of topic, service, action; found {sign!r}"
+            )
         signs.append(ReadySign(ReadyKind(kind), name))
     return NodeSpec(
         name=entry["name"],

@@ -11,7 +11,11 @@ class Terminal:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._colour = sys.stdout.isatty() and os.environ.get("TERM") != "dumb" and "NO_COLOR" not in os.environ
+        self._colour = (
+            sys.stdout.isatty()
+            and os.environ.get("TERM") != "dumb"
+            and "NO_COLOR" not in os.environ
+        )
 
     def line(self, text: str = "") -> None:
         """One line as it is."""

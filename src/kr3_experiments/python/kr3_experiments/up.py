@@ -30,7 +30,9 @@ def run(args: argparse.Namespace) -> int:
         stack.start_master(choose_port(args.port, DEFAULT_PORT))
         with RunNote(stack.uri, run_dir):
             start_stack(stack, world, run_dir, args.stack)
-            terminal.heading(f"The robot is ready. ROS_MASTER_URI={stack.uri}, logs in {run_dir}/log; Ctrl-C ends it.")
+            terminal.heading(
+                f"The robot is ready. ROS_MASTER_URI={stack.uri}, logs in {run_dir}/log; Ctrl-C ends it."
+            )
             terminal.detail('another terminal: ./kr3 status, ./kr3 goal "FORMULA", ./kr3 record')
             stack.spin_until(lambda: False)
     return 0
