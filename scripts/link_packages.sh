@@ -5,15 +5,20 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 links="$root/catkin_ws/src"
 mkdir -p "$links"
-for package in "$root"/src/*/package.xml; do
-  name=$(basename "$(dirname "$package")")
-  [ -L "$links/$name" ] || ln -s "../../src/$name" "$links/$name"
+
+is_package() { [ -f "$1/package.xml" ] && [ -f "$1/CMakeLists.txt" ]; }
+
+for folder in "$root"/src/*; do
+  name=$(basename "$folder")
+  if is_package "$folder" && [ ! -L "$links/$name" ]; then
+    ln -s "../../src/$name" "$links/$name"
+  fi
 done
-if [ -f "$root/tests/package.xml" ] && [ ! -L "$links/kr3_integration_tests" ]; then
+if is_package "$root/tests" && [ ! -L "$links/kr3_integration_tests" ]; then
   ln -s ../../tests "$links/kr3_integration_tests"
 fi
 for link in "$links"/*; do
-  if [ -L "$link" ] && [ ! -e "$link/package.xml" ] && [ "$(basename "$link")" != CMakeLists.txt ]; then
+  if [ -L "$link" ] && [ "$(basename "$link")" != CMakeLists.txt ] && ! is_package "$link"; then
     rm "$link"
   fi
 done
