@@ -45,9 +45,15 @@ void Driver::start(const DriveGoal& goal)
   reason_.clear();
   follower_.reset();
   nearest_remaining_m_ = std::numeric_limits<double>::infinity();
-  first_remaining_m_ = 0.0;
   progress_ = 0.0;
   replans_ = 0;
+}
+
+void Driver::redirect(const DriveGoal& goal)
+{
+  goal_ = goal;
+  if (phase_ != DrivePhase::kBlocked)
+    phase_ = DrivePhase::kPlanning;
 }
 
 void Driver::cancel()

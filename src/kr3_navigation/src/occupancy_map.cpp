@@ -44,30 +44,87 @@ void checkOptions(const OccupancyMapOptions& options)
                           ", expected in (0, 0.5)");
 }
 
-/// The end of each beam in the map, OctoMap's input: hits, and for beams without a return a point
+constexpr std::size_t kDropoutNeighbors = 2;
+constexpr double kMaxSurfaceGap = 1.0;  // m
+
+/// Whether a beam truly saw nothing: single beams without a return are dropouts of the laser, so
+/// its neighbours must have none either.
+bool seesNothing(const LaserScan& scan, std::size_t beam)
+{
+  if (beam < kDropoutNeighbors || beam + kDropoutNeighbors >= scan.ranges_m.size())
+    return false;
+  for (std::size_t k = beam - kDropoutNeighbors; k <= beam + kDropoutNeighbors; ++k)
+  {
+    if (!(static_cast<double>(scan.ranges_m[k]) >= scan.range_max_m))
+      return false;
+  }
+  return true;
+}
+
+/// The end of each beam in the map, OctoMap's input: hits, and for beams that saw nothing a point
 /// beyond the range.
 octomap::Pointcloud cloudOf(const LaserScan& scan, const Pose& T_map_laser, double height_m,
                             double max_range_m)
 {
   octomap::Pointcloud cloud;
   cloud.reserve(scan.ranges_m.size());
-  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam)
-  {
-    double range = static_cast<double>(scan.ranges_m[beam]);
-    if (std::isnan(range) || range < scan.range_min_m)
-      continue;
-    if (!scan.isHit(beam))
-    {
-      if (scan.range_max_m < max_range_m)
-        continue;  // the laser itself sees less far: nothing is known of the rest
-      range = max_range_m * 1.01;
-    }
-    const double angle = T_map_laser.yaw + scan.angle(beam);
+  const auto add = [&](double range, double angle) {
     cloud.push_back(static_cast<float>(T_map_laser.x + range * std::cos(angle)),
                     static_cast<float>(T_map_laser.y + range * std::sin(angle)),
                     static_cast<float>(height_m));
+  };
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam)
+  {
+    const double angle = T_map_laser.yaw + scan.angle(beam);
+    if (scan.isHit(beam))
+      add(static_cast<double>(scan.ranges_m[beam]), angle);
+    else if (scan.range_max_m >= max_range_m && seesNothing(scan, beam))
+      add(max_range_m * 1.01, angle);
   }
   return cloud;
+}
+
+/// Nodes that this scan must not call free: next to a hit, or to the surface between the hits of
+/// two adjacent beams, through whose nodes a grazing beam passes.
+octomap::KeySet surfaceKeys(const octomap::OcTree& tree, const LaserScan& scan,
+                            const Pose& T_map_laser, double height_m, double max_range_m)
+{
+  octomap::KeySet keys;
+  const auto add = [&](Point p) {
+    octomap::OcTreeKey key;
+    if (!tree.coordToKeyChecked(p.x, p.y, height_m, key))
+      return;
+    for (int dx = -1; dx <= 1; ++dx)
+    {
+      for (int dy = -1; dy <= 1; ++dy)
+        keys.insert(octomap::OcTreeKey(static_cast<octomap::key_type>(key[0] + dx),
+                                       static_cast<octomap::key_type>(key[1] + dy), key[2]));
+    }
+  };
+  const auto in_range = [&](std::size_t beam) {
+    return scan.isHit(beam) && static_cast<double>(scan.ranges_m[beam]) <= max_range_m;
+  };
+  for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam)
+  {
+    if (!in_range(beam))
+      continue;
+    const Point hit = T_map_laser * scan.endpoint(beam);
+    add(hit);
+    const std::size_t next = (beam + 1) % scan.ranges_m.size();
+    if (!in_range(next))
+      continue;
+    const Point next_hit = T_map_laser * scan.endpoint(next);
+    const double gap = distance(hit, next_hit);
+    if (gap > kMaxSurfaceGap)
+      continue;
+    const int count = static_cast<int>(gap / tree.getResolution());
+    for (int i = 1; i <= count; ++i)
+    {
+      const double t = static_cast<double>(i) / (count + 1);
+      add({hit.x + t * (next_hit.x - hit.x), hit.y + t * (next_hit.y - hit.y)});
+    }
+  }
+  return keys;
 }
 
 }  // namespace
@@ -109,16 +166,7 @@ void OccupancyMap::insertScan(const LaserScan& scan, const Pose& T_map_laser, do
   tree.computeUpdate(cloudOf(scan, T_map_laser, height_m, max_range_m), origin, free_keys, hit_keys,
                      max_range_m);
 
-  octomap::KeySet guarded;
-  for (const octomap::OcTreeKey& key : hit_keys)
-  {
-    for (int dx = -1; dx <= 1; ++dx)
-    {
-      for (int dy = -1; dy <= 1; ++dy)
-        guarded.insert(octomap::OcTreeKey(static_cast<octomap::key_type>(key[0] + dx),
-                                          static_cast<octomap::key_type>(key[1] + dy), key[2]));
-    }
-  }
+  const octomap::KeySet guarded = surfaceKeys(tree, scan, T_map_laser, height_m, max_range_m);
   for (const octomap::OcTreeKey& key : free_keys)
   {
     if (guarded.count(key) == 0)
@@ -217,7 +265,11 @@ std::vector<std::uint8_t> OccupancyMap::toBinary() const
   copy.toMaxLikelihood();
   copy.prune();
   std::ostringstream stream;
-  if (!copy.writeBinaryConst(stream))
+  // As OctoMap's writeBinary(), which also prints to the terminal.
+  stream << "# Octomap OcTree binary file\n"
+         << "id " << copy.getTreeType() << "\nsize " << copy.size() << "\nres "
+         << copy.getResolution() << "\ndata\n";
+  if (!copy.writeBinaryData(stream))
     throw InternalError("OctoMap could not serialise the map");
   const std::string bytes = stream.str();
   return {bytes.begin(), bytes.end()};

@@ -74,6 +74,34 @@ TEST(OccupancyMap, SeesFreeSpaceAndLeavesTheRestUnknown)
   EXPECT_EQ(at(grid, {1.25, 0.75}), Occupancy::kUnknown);  // inside the table
 }
 
+TEST(OccupancyMap, ADropoutDoesNotSeeThroughWalls)
+{
+  std::mt19937_64 random(1);
+  OccupancyMap map{OccupancyMapOptions{}};
+  const Pose pose{2.0, 2.0, 0.0};
+  LaserScan scan = SyntheticWorld::twoRooms().scan(pose, random);
+  for (std::size_t beam = 3; beam < scan.ranges_m.size(); beam += 20)
+    scan.ranges_m[beam] = std::numeric_limits<float>::infinity();
+  map.insertScan(scan, pose, kHeight, kRange);
+  const OccupancyGrid grid = map.project(0.2, 0.4, {-6.0, -6.0, 14.0, 10.0});
+  for (std::size_t node = 0; node < grid.nodes.size(); ++node)
+  {
+    const Point p = grid.geometry.center(static_cast<int>(node));
+    if (kTwoRoomsArea.distanceTo(p) > 0.0)
+    {
+      EXPECT_EQ(grid.nodes[node], Occupancy::kUnknown) << p.x << ", " << p.y;
+    }
+  }
+}
+
+TEST(OccupancyMap, SeesFarWhereManyBeamsMeetNothing)
+{
+  std::mt19937_64 random(1);
+  OccupancyMap map{OccupancyMapOptions{}};
+  map.insertScan(SyntheticWorld{}.scan({0.0, 0.0, 0.0}, random), {0.0, 0.0, 0.0}, kHeight, kRange);
+  EXPECT_EQ(at(map.project(0.2, 0.4, {-9.0, -9.0, 9.0, 9.0}), {0.05, 7.0}), Occupancy::kFree);
+}
+
 TEST(OccupancyMap, ForgetsAnObstacleThatLeft)
 {
   std::mt19937_64 random(1);

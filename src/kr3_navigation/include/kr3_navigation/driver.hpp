@@ -60,6 +60,8 @@ public:
   explicit Driver(const DriverOptions& options) : options_(options) {}
 
   void start(const DriveGoal& goal);
+  /// Changes the goal on the way, keeping speed and count of attempts. Only while active.
+  void redirect(const DriveGoal& goal);
   /// Forgets the goal. The caller stops the wheels.
   void cancel();
 
@@ -72,6 +74,7 @@ public:
     return phase_ != DrivePhase::kIdle && phase_ != DrivePhase::kArrived &&
            phase_ != DrivePhase::kUnreachable;
   }
+  [[nodiscard]] const DriveGoal& goal() const { return goal_; }
   /// Why the goal was given up; empty otherwise.
   [[nodiscard]] const std::string& reason() const { return reason_; }
   /// The path being followed; empty without one.

@@ -20,9 +20,9 @@ struct OccupancyMapOptions
 
 /// An OctoMap that grows with laser scans.
 ///
-/// OctoMap's own insertion lets grazing beams erase walls; here a node next to one that the same
-/// scan hits is never counted as free. Not thread-safe. Source: Hornung et al., "OctoMap"
-/// (Autonomous Robots, 2013), Sec. 3; the rule on neighbours is ours.
+/// OctoMap's own insertion lets grazing beams erase walls; here no node next to a surface that the same scan hits is
+/// counted as free. A single beam without a return is a dropout and says nothing. Not thread-safe.
+/// Source: Hornung et al., "OctoMap" (Autonomous Robots, 2013), Sec. 3; the two rules are ours.
 class OccupancyMap
 {
 public:

@@ -70,16 +70,21 @@ void DriveServers::onMoveToGoal()
     if (!context_.tracker.hasPose())
       throw Unavailable("no odometry or scan has arrived yet: the robot's pose is unknown");
     target_cell_ = cell;
-    const Cell& target = context_.cells().cells()[cell];
-    // Something may stand on the usual point today; then another point of the cell does.
-    Point stand = target.stand;
-    if (!context_.planner().isFree(stand))
-      stand = standIn(target.rectangle, cell_options_, context_.planner()).value_or(stand);
     const double limit = goal->time_limit.toSec();
-    begin(Client::kMoveTo, {stand, std::nullopt}, limit > 0.0 ? limit : default_time_limit_s_);
+    begin(Client::kMoveTo, {chooseStand(), std::nullopt},
+          limit > 0.0 ? limit : default_time_limit_s_);
   });
   if (result.status.code != kr3_msgs::Status::OK)
     move_to_.setAborted(result, result.status.message);
+}
+
+Point DriveServers::chooseStand() const
+{
+  const Cell& target = context_.cells().cells()[target_cell_];
+  if (context_.planner().isFree(target.stand))
+    return target.stand;
+  // Something stands on the usual point today; another point of the cell serves as well.
+  return standIn(target.rectangle, cell_options_, context_.planner()).value_or(target.stand);
 }
 
 std::size_t DriveServers::parseMoveTo(const kr3_msgs::ExecuteSkillGoal& goal) const
@@ -154,6 +159,9 @@ void DriveServers::tick(const DriveInput& input)
     finishAtTimeLimit();
     return;
   }
+  if (client_ == Client::kMoveTo && input.map_changed &&
+      !context_.planner().isFree(driver_.goal().position))
+    driver_.redirect({chooseStand(), std::nullopt});
   const Velocity velocity = driver_.step(input);
   if (!driver_.isActive())
   {

@@ -62,6 +62,7 @@ private:
   void finishAtTimeLimit();
   void publishFeedback(const DriveInput& input);
   [[nodiscard]] kr3_msgs::ExecuteSkillResult moveToResult() const;
+  [[nodiscard]] Point chooseStand() const;
   [[nodiscard]] std::size_t parseMoveTo(const kr3_msgs::ExecuteSkillGoal& goal) const;
   [[nodiscard]] DriveGoal parseMoveBase(const move_base_msgs::MoveBaseGoal& goal) const;
 

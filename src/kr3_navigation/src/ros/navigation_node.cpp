@@ -78,7 +78,7 @@ NavigationNode::NavigationNode(const NavigationNodeConfig& config)
   tf_publisher_ = nh.advertise<tf2_msgs::TFMessage>(names::kTf, 100);
   if (config_.pose_source == PoseSource::kGroundTruth)
     ROS_WARN("poses come from the simulator's ground truth: for building the map only");
-  makeCells();
+  makeCells(live_map_.planner());
   publishMap(0.0);
 
   servers_.emplace(nh, config_.driver, config_.cells, config_.map_frame, config_.drive_time_limit_s,
@@ -335,9 +335,9 @@ void NavigationNode::publishMap(double time_s)
   octomap_publisher_.publish(toMsg(live_map_.map().toBinary()));
 }
 
-void NavigationNode::makeCells()
+void NavigationNode::makeCells(const PathPlanner& planner)
 {
-  cells_.emplace(places_, config_.cells, live_map_.planner());
+  cells_.emplace(places_, config_.cells, planner);
   for (const Cell& cell : cells_->cells())
   {
     if (!cell.reachable)
@@ -361,8 +361,11 @@ bool NavigationNode::onSaveMap(std_srvs::Trigger::Request& /*request*/,
     ROS_INFO("%s", response.message.c_str());
     if (config_.pose_source == PoseSource::kGroundTruth)
     {
+      // What was never seen is not free for those who will use this map.
+      PathPlannerOptions finished = config_.live_map.planner;
+      finished.unknown_is_free = false;
       (void)live_map_.revise();
-      makeCells();
+      makeCells(PathPlanner(live_map_.grid(), finished));
     }
   }
   catch (const Error& e)

@@ -54,7 +54,7 @@ private:
   void processScans();
   void processScan(const PendingScan& pending);
   void control(double time_s);
-  void makeCells();
+  void makeCells(const PathPlanner& planner);
   void publishMap(double time_s);
   void publishPath();
   void publishCorrection(double time_s);
