@@ -73,4 +73,11 @@ private:
 [[nodiscard]] ComponentMap gridMap(const std::vector<std::string>& wholes, std::size_t per_whole,
                                    double pitch_m);
 
+/// Reads a map from a file, for domains whose components do not come from navigation (schema:
+/// README.md).
+///
+/// @throws Unavailable      the file cannot be read
+/// @throws InvalidArgument  malformed: every problem, one a line, "file:line: found, expected"
+[[nodiscard]] ComponentMap readComponentMap(const std::string& path);
+
 }  // namespace kr3::refinement

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <kr3_pomdp/model.hpp>
@@ -72,6 +73,12 @@ public:
   {
     return observations_of_.at(action);
   }
+  /// The ground action as in the language, "search(rob1, c1, tb1)" (the model's own names have no
+  /// blanks); "finish".
+  [[nodiscard]] const std::string& actionText(std::size_t action) const
+  {
+    return action_texts_.at(action);
+  }
   /// The action's name among the domain's actions ("search" of "search(rob1, c1, tb1)"); "finish"
   /// for finish.
   [[nodiscard]] const std::string& actionSymbol(std::size_t action) const
@@ -111,11 +118,15 @@ private:
   friend class TaskGenerator;
   PomdpTask(pomdp::Model model, Zoom zoom) : model_(std::move(model)), zoom_(std::move(zoom)) {}
 
+  [[nodiscard]] Distribution marginal(const pomdp::Belief& belief,
+                                      const std::vector<std::size_t>& fluents, bool coarse) const;
+
   pomdp::Model model_;
   Zoom zoom_;
   std::vector<reasoner::GroundFluent> fluents_;
   std::vector<reasoner::State> states_;
   std::vector<std::vector<std::size_t>> observations_of_;
+  std::vector<std::string> action_texts_;
   std::vector<std::string> action_symbols_;
   std::vector<std::vector<std::string>> action_arguments_;
   std::vector<bool> success_;

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "kr3_refinement/low_level_domain.hpp"
+#include "kr3_refinement/models.hpp"
+#include "kr3_refinement/pomdp_task.hpp"
+#include "kr3_refinement/zoom.hpp"
+
+/// What the package's command-line tools share.
+namespace kr3::refinement::tools
+{
+
+struct Options
+{
+  std::string domain;
+  std::string state;
+  std::string action;
+  std::string map;
+  std::size_t per_whole = 4;
+  double pitch_m = 1.0;
+  std::vector<std::string> known;
+  std::vector<std::string> hidden;
+  std::string pomdp;
+  double solve_s = 0.0;
+};
+
+/// Exits when the arguments are wrong or ask for help.
+[[nodiscard]] Options parse(int argc, char** argv, const std::string& purpose);
+
+/// A domain directory with the state and the action asked about.
+struct Loaded
+{
+  LowLevelDomain domain;
+  Models models;
+  std::vector<reasoner::Literal> state;
+  reasoner::Atom action;
+};
+
+[[nodiscard]] Loaded load(const Options& options);
+
+[[nodiscard]] InitialKnowledge knowledgeOf(const Options& options, const Zoom& zoom);
+
+}  // namespace kr3::refinement::tools
