@@ -81,7 +81,7 @@ void DriveServers::onMoveToGoal()
 Point DriveServers::chooseStand() const
 {
   const Cell& target = context_.cells().cells()[target_cell_];
-  if (context_.planner().isFree(target.stand))
+  if (context_.planner().isInMainRegion(target.stand))
     return target.stand;
   // Something stands on the usual point today; another point of the cell serves as well.
   return standIn(target.rectangle, cell_options_, context_.planner()).value_or(target.stand);
@@ -160,7 +160,7 @@ void DriveServers::tick(const DriveInput& input)
     return;
   }
   if (client_ == Client::kMoveTo && input.map_changed &&
-      !context_.planner().isFree(driver_.goal().position))
+      !context_.planner().isInMainRegion(driver_.goal().position))
     driver_.redirect({chooseStand(), std::nullopt});
   const Velocity velocity = driver_.step(input);
   if (!driver_.isActive())
