@@ -87,6 +87,13 @@ TEST_F(Camera, ShowsTheCoverToWhomItFaces)
   EXPECT_LT(right_way, 0.7 * cv::norm(image(box), upside_down, cv::NORM_L1));
 }
 
+TEST_F(Camera, DoesNotSeeWhatTheRobotCarries)
+{
+  const Pose T_world_base = poseOf(Pose2{2.0, 2.0, -M_PI / 2.0}, 0.0);
+  const Pose carried = T_world_base * Pose{RobotModel{}.carry_position, {}};
+  EXPECT_EQ(cv::countNonZero(renderer.mask(T_world_camera, {{"crate", "crate", carried}})), 0);
+}
+
 TEST_F(Camera, LightChangesWithTheSeed)
 {
   renderer.setLight(1);

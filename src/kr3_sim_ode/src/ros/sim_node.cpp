@@ -211,6 +211,7 @@ void SimNode::reset()
   image_noise_ = ImageNoise(config_.camera, config_.camera_noise, config_.scenario.world.seed);
   last_command_.reset();
   publishChanges();
+  ROS_INFO("reset, seed %lu", static_cast<unsigned long>(config_.scenario.world.seed));
 }
 
 void SimNode::onCommand(const geometry_msgs::Twist& command)
@@ -263,9 +264,10 @@ bool SimNode::onResume(std_srvs::Trigger::Request& /*request*/,
 bool SimNode::onReset(std_srvs::Trigger::Request& /*request*/,
                       std_srvs::Trigger::Response& response)
 {
-  reset();
-  ROS_INFO("reset, seed %lu", static_cast<unsigned long>(config_.scenario.world.seed));
-  response.success = 1;
+  kr3_msgs::Status status;
+  respond(status, "reset", [&] { reset(); });
+  response.success = static_cast<std::uint8_t>(status.code == kr3_msgs::Status::OK);
+  response.message = status.message;
   return true;
 }
 
