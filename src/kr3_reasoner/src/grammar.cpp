@@ -377,7 +377,7 @@ template <>
 constexpr const char* kTokenName<RecordKindWord> = "'obs', 'hpd', 'attempt' or 'init'";
 struct Record
   : pegtl::seq<RecordKindToken, InParentheses<pegtl::seq<Condition, pegtl::star<Sign<','>, Term>>>,
-               pegtl::opt<Label>>
+               pegtl::opt<Sign<'['>, DecimalToken, Sign<']'>>>
 {
 };
 

@@ -10,11 +10,13 @@
 
 /// The abstract syntax of KR3's action language, for the high level and the low level alike.
 ///
-/// The language is AL_d: AL (Gelfond and Kahl 2014, ch. 8) with functional fluents and non-deterministic causal laws
-/// (Sridharan, Gelfond, Zhang and Wyatt, JAIR 65, 2019, sec. 3), defaults, preferences among them, and what a refinement
-/// adds: magnified sorts, knowledge fluents, labelled outcomes and observations. docs/language.md has the grammar.
+/// The language is AL_d: AL (Gelfond and Kahl 2014, ch. 8) with functional fluents and
+/// non-deterministic causal laws (Sridharan, Gelfond, Zhang and Wyatt, JAIR 65, 2019, sec. 3),
+/// defaults, preferences among them, and what a refinement adds: magnified sorts, knowledge
+/// fluents, labelled outcomes and observations. docs/language.md has the grammar.
 ///
-/// All types are plain values; a Description that `parseDescription` returned has passed every check of the language.
+/// All types are plain values; a Description that `parseDescription` returned has passed every
+/// check of the language.
 namespace kr3::reasoner
 {
 
@@ -46,8 +48,9 @@ struct Atom
   SourcePosition position;
 };
 
-/// `atom = value` or `atom != value`. For a boolean fluent the value is the constant `true` or `false`:
-/// `in_hand(R, O)` is `in_hand(R, O) = true` and `-in_hand(R, O)` is `in_hand(R, O) = false`.
+/// `atom = value` or `atom != value`. For a boolean fluent the value is the constant `true` or
+/// `false`: `in_hand(R, O)` is `in_hand(R, O) = true` and `-in_hand(R, O)` is `in_hand(R, O) =
+/// false`.
 struct Literal
 {
   Atom atom;
@@ -84,8 +87,9 @@ struct Membership
 using Condition = std::variant<Literal, Comparison, Membership>;
 using Body = std::vector<Condition>;
 
-/// A sort: `place = {office, kitchen}.`, `thing = object + robot.`, `level = 0..3.` After the checks `elements` holds all
-/// elements, those of member sorts included, in the order of their declaration.
+/// A sort: `place = {office, kitchen}.`, `thing = object + robot.`, `level = 0..3.` After the
+/// checks `elements` holds all elements, those of member sorts included, in the order of their
+/// declaration.
 struct Sort
 {
   std::string name;
@@ -99,7 +103,8 @@ enum class FluentKind
   kStatic,     ///< never changes
   kInertial,   ///< keeps its value until an action changes it
   kDefined,    ///< boolean; false unless its axioms say otherwise
-  kKnowledge,  ///< inertial and boolean, about what the robot knows; starts afresh (false) with each high-level action
+  kKnowledge,  ///< inertial and boolean, about what the robot knows; starts afresh (false) with
+               ///< each high-level action
 };
 
 /// `inertial loc(thing) : place.` A fluent with no value sort is boolean.
@@ -121,17 +126,19 @@ struct ActionDeclaration
   SourcePosition position;
 };
 
-/// What one outcome of an action does to one fluent: `loc(R) = C`, or `loc(R) = {Z : neighbor(Z, C)}`, one of a set.
+/// What one outcome of an action does to one fluent: `loc(R) = C`, or `loc(R) = {Z : neighbor(Z,
+/// C)}`, one of a set.
 struct Effect
 {
   Atom fluent;
-  Term value;       ///< the value; in a choice the variable that ranges over the set
+  Term value;  ///< the value; in a choice the variable that ranges over the set
   bool is_choice = false;
-  Body choice;      ///< the condition on `value` in a choice
+  Body choice;  ///< the condition on `value` in a choice
 };
 
-/// `loc(R) = C [reached]`. A deterministic law has one outcome with an empty label. An outcome without effects is written
-/// `nothing [failed]`. When the set of a choice is empty in a state, the outcome cannot happen there.
+/// `loc(R) = C [reached]`. A deterministic law has one outcome with an empty label. An outcome
+/// without effects is written `nothing [failed]`. When the set of a choice is empty in a state, the
+/// outcome cannot happen there.
 struct Outcome
 {
   std::string label;
@@ -155,8 +162,8 @@ struct StateConstraint
   SourcePosition position;
 };
 
-/// `impossible a0, ..., ak if body.` An action may be a variable (`impossible A1, A2 if A1 != A2.`): a Term whose
-/// is_variable is set, ranging over all agent actions.
+/// `impossible a0, ..., ak if body.` An action may be a variable (`impossible A1, A2 if A1 !=
+/// A2.`): a Term whose is_variable is set, ranging over all agent actions.
 struct Executability
 {
   std::vector<std::variant<Atom, Term>> actions;
@@ -164,7 +171,8 @@ struct Executability
   SourcePosition position;
 };
 
-/// `search(R, C, O) observes loc(O) = C.` (is it so: true or false) or `move(R, C) observes loc(R).` (which value).
+/// `search(R, C, O) observes loc(O) = C.` (is it so: true or false) or `move(R, C) observes
+/// loc(R).` (which value).
 struct ObservationLaw
 {
   Atom action;
@@ -199,8 +207,8 @@ struct ActionCost
   SourcePosition position;
 };
 
-/// `magnify place into cell by part_of.` Refinement files only: elements of `fine` stand for parts of elements of
-/// `coarse`, by the static `part_of(fine) : coarse`.
+/// `magnify place into cell by part_of.` Refinement files only: elements of `fine` stand for parts
+/// of elements of `coarse`, by the static `part_of(fine) : coarse`.
 struct Magnification
 {
   std::string coarse;
@@ -248,10 +256,11 @@ struct Diagnostic
 /// Reads and parses a file. @throws NotFound  no such file; InvalidArgument as parseDescription
 [[nodiscard]] Description readDescription(const std::string& path);
 
-/// Parses a refinement on top of the high-level description it refines: names of `base` may be used, and sorts, statics,
-/// fluents and actions of the refinement are checked together with them. The result holds the refinement's own
-/// declarations only.
-[[nodiscard]] Description parseRefinement(const std::string& text, const std::string& file, const Description& base);
+/// Parses a refinement on top of the high-level description it refines: names of `base` may be
+/// used, and sorts, statics, fluents and actions of the refinement are checked together with them.
+/// The result holds the refinement's own declarations only.
+[[nodiscard]] Description parseRefinement(const std::string& text, const std::string& file,
+                                          const Description& base);
 
 /// Checks a description that was composed in memory and completes its sorts' elements.
 /// @throws InvalidArgument  as parseDescription

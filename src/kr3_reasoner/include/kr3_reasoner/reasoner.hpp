@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,12 +22,12 @@ enum class RecordKind : std::uint8_t
   kInitially = 3,  ///< init(literal, value), the same as kObserved at step 0
 };
 
-/// One record of a history (Zhang et al. 2014, "Histories with defaults"). The values of `kind` equal the constants of
-/// kr3_msgs/HistoryRecord.
+/// One record of a history (Zhang et al. 2014, "Histories with defaults"). The values of `kind`
+/// equal the constants of kr3_msgs/HistoryRecord.
 struct Record
 {
   RecordKind kind = RecordKind::kObserved;
-  std::string statement;    ///< ground literal or ground action, in the language
+  std::string statement;  ///< ground literal or ground action, in the language
   bool value = true;
   int step = 0;
   double confidence = 1.0;  ///< probability that the record is right, (0, 1]
@@ -36,8 +37,8 @@ struct Record
 /// `obs(loc(tb1) = office, true, 3)` and so on.
 [[nodiscard]] std::string toString(const Record& record);
 
-/// Parses a history file: one record a statement, `obs(l, bool, step).`, `hpd(a, step).`, `attempt(a, step).`,
-/// `init(l, bool).`, checked against the description.
+/// Parses a history file: one record a statement, `obs(l, bool, step).`, `hpd(a, step).`,
+/// `attempt(a, step).`, `init(l, bool).`, checked against the description.
 [[nodiscard]] std::vector<Record> parseHistory(const std::string& text, const std::string& file,
                                                const Description& description);
 
@@ -52,18 +53,22 @@ enum class Answer : std::uint8_t
 struct Diagnosis
 {
   bool consistent = false;
-  int cost = 0;                                        ///< minimal |E|
-  std::vector<std::vector<std::string>> explanations;  ///< each a minimal E: statements such as "init(loc(tb1) = main_library, false)" or "exo_move(tb1, office) at 2"
-  std::vector<std::string> in_words;                   ///< each explanation for people, naming the default that is excepted
-  std::vector<std::string> conflict;                   ///< when inconsistent: a minimal set of conflicting records
+  int cost = 0;  ///< minimal |E|
+  std::vector<std::vector<std::string>>
+      explanations;  ///< each a minimal E: statements such as "init(loc(tb1) = main_library,
+                     ///< false)" or "exo_move(tb1, office) at 2"
+  std::vector<std::string>
+      in_words;  ///< each explanation for people, naming the default that is excepted
+  std::vector<std::string> conflict;  ///< when inconsistent: a minimal set of conflicting records
 };
 
-/// A shortest plan under a hypothesis: values, at the current step, of fluents that the history leaves open and on
-/// which the plan depends.
+/// A shortest plan under a hypothesis: values, at the current step, of fluents that the history
+/// leaves open and on which the plan depends.
 struct Plan
 {
-  std::vector<std::string> hypothesis;             ///< literals, empty when nothing is assumed
-  std::vector<std::vector<std::string>> steps;     ///< ground actions that occur together, one entry a step
+  std::vector<std::string> hypothesis;  ///< literals, empty when nothing is assumed
+  std::vector<std::vector<std::string>>
+      steps;  ///< ground actions that occur together, one entry a step
 };
 
 struct PlanOptions
@@ -88,14 +93,29 @@ struct Explanation
   std::vector<std::string> records;  ///< the records it rests on
 };
 
-/// The high-level reasoner: a description, a growing history, and questions about them, answered by clingo.
+/// What a diagnosis may assume, and at what price.
+struct ReasonerOptions
+{
+  /// Whether exogenous actions ("somebody moved it") compete with exceptions to defaults from the
+  /// start. When false, they are assumed only if no exception explains the history.
+  bool diagnose_exogenous = false;
+  int exception_weight = 1;  ///< price of one exception to a default, at least 1
+  int exogenous_weight =
+      1;  ///< price of one exogenous action, and of one failed attempt, at least 1
+  std::map<std::string, int>
+      default_weights;  ///< price of an exception to the named default, where it differs
+};
+
+/// The high-level reasoner: a description, a growing history, and questions about them, answered by
+/// clingo.
 ///
-/// The current step is the largest step among the records, or one more when an action is recorded there.
-/// Not thread-safe; one instance per thread. A question that fails leaves the history as it was.
+/// The current step is the largest step among the records, or one more when an action is recorded
+/// there. Not thread-safe; one instance per thread. A question that fails leaves the history as it
+/// was.
 class Reasoner
 {
 public:
-  explicit Reasoner(Description description);
+  explicit Reasoner(Description description, ReasonerOptions options = {});
   ~Reasoner();
   Reasoner(Reasoner&&) noexcept;
   Reasoner& operator=(Reasoner&&) noexcept;
@@ -111,12 +131,14 @@ public:
   void setHistory(std::vector<Record> records);
   void addRecords(const std::vector<Record>& records);
 
-  /// Paper, Definitions 2 and 3. @throws FailedPrecondition  the history is inconsistent (entailment only)
+  /// Paper, Definitions 2 and 3. @throws FailedPrecondition  the history is inconsistent
+  /// (entailment only)
   [[nodiscard]] Diagnosis diagnose() const;
   [[nodiscard]] Answer entails(const std::string& literal, int step) const;
   [[nodiscard]] bool possible(const std::string& literal, int step) const;
 
-  /// All literals `f = v` (and `f != v` where no value of f is entailed) that are entailed at a step.
+  /// All literals `f = v` (and `f != v` where no value of f is entailed) that are entailed at a
+  /// step.
   [[nodiscard]] std::vector<Literal> entailedAt(int step) const;
 
   /// The values that a ground fluent takes at a step in some model, in the order of its sort.
@@ -129,7 +151,8 @@ public:
   [[nodiscard]] PlanResult plan(const std::string& goal, const PlanOptions& options = {},
                                 const std::atomic<bool>* cancel = nullptr) const;
 
-  /// The ASP program that `entails`, `diagnose` and `plan` solve, with comments that point to source lines.
+  /// The ASP program that `entails`, `diagnose` and `plan` solve, with comments that point to
+  /// source lines.
   [[nodiscard]] std::string translation() const;
 
 private:

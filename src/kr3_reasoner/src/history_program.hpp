@@ -1,0 +1,71 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "encoding.hpp"
+#include "history.hpp"
+#include "kr3_reasoner/language.hpp"
+#include "kr3_reasoner/reasoner.hpp"
+#include "solver.hpp"
+
+namespace kr3::reasoner
+{
+
+/// What a diagnosis may assume besides exceptions to defaults.
+struct Assumable
+{
+  bool exogenous = false;    ///< exogenous actions
+  bool retractions = false;  ///< that records of confidence below 1 are wrong
+};
+
+/// Minimal prices of an explanation; retractions weigh more than all else.
+struct Price
+{
+  int retractions = 0;
+  int assumptions = 0;
+};
+
+/// A description with a history as an answer set program.
+///
+/// Two layers (Zhang et al. 2014, Definitions 1 and 2): the closure `c(F, V)`, `cn(F, V)` (F = V is
+/// known, F != V is known) of the initial records under defaults and constraints is founded; the
+/// state `h(F, V, 0)` is any complete state that contains it. `ab(X)`: X is assumed. X is `no(F,
+/// V)` (the contrary of a default's head F = V), `yes(F, V)` (of a head F != V), `exo(A, I)`,
+/// `fail(A, I)` or `wrong(R)`, a record that is retracted.
+class HistoryProgram
+{
+public:
+  HistoryProgram(const Description& description, const ReasonerOptions& options);
+
+  /// The program's parts that do not depend on the history.
+  void addTo(Solver& solver) const;
+
+  /// Adds and grounds records with everything up to `current_step`.
+  /// @param switchable  each record r holds only while the external rec(r) is true
+  void groundHistory(Solver& solver, const std::vector<CheckedRecord>& records, int current_step,
+                     const Assumable& assumable, bool switchable = false) const;
+
+  /// Restricts to explanations of at most this price.
+  static void groundBound(Solver& solver, const Price& price);
+
+  /// All of the program as text, for people.
+  [[nodiscard]] std::string text(const std::vector<CheckedRecord>& records) const;
+
+private:
+  [[nodiscard]] std::string closure() const;
+  [[nodiscard]] std::string closureLiteral(const Literal& literal) const;
+  [[nodiscard]] std::string closureBody(const Body& body) const;
+  [[nodiscard]] std::string defaultRules(const Default& rule) const;
+  [[nodiscard]] std::string constraintRules(const StateConstraint& constraint) const;
+  [[nodiscard]] std::string preferenceRules() const;
+  [[nodiscard]] std::string recordRules(const std::vector<CheckedRecord>& records,
+                                        const Assumable& assumable, bool switchable) const;
+
+  const Description& description_;
+  ReasonerOptions options_;
+  Encoding encoding_;
+};
+
+}  // namespace kr3::reasoner

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "history_program.hpp"
+
+namespace kr3::reasoner
+{
+
+/// The explanation level of a history: which kinds of assumption it takes, and their minimal price.
+struct Optimum
+{
+  Assumable assumable;
+  Price price;
+};
+
+/// The minimal price of explaining a history, or nothing when it is inconsistent. Exceptions to
+/// defaults come first (and exogenous actions, if the options say so); if they do not explain,
+/// exogenous actions; then retracted records.
+[[nodiscard]] std::optional<Optimum> findOptimum(const HistoryProgram& program,
+                                                 const std::vector<CheckedRecord>& records,
+                                                 int current_step, bool exogenous_first);
+
+/// What holds in all and in some of the models with minimal explanations, at every step of a
+/// history.
+class Consequences
+{
+public:
+  Consequences(const Description& description, const HistoryProgram& program,
+               const std::vector<CheckedRecord>& records, int current_step, const Optimum& optimum);
+
+  [[nodiscard]] bool inAll(const Literal& literal, int step) const;
+  [[nodiscard]] bool inSome(const Literal& literal, int step) const;
+
+private:
+  using SymbolSet = std::unordered_set<Clingo::Symbol>;
+
+  [[nodiscard]] static bool has(const SymbolSet& set, const std::string& atom);
+
+  const Description& description_;
+  SymbolSet all_;
+  SymbolSet some_;
+};
+
+/// The minimal explanations, each a sorted list of the assumed `ab(X)` arguments X.
+[[nodiscard]] std::vector<std::vector<Clingo::Symbol>> explanationsOf(
+    const HistoryProgram& program, const std::vector<CheckedRecord>& records, int current_step,
+    const Optimum& optimum);
+
+/// The defaults, as `d1(tb1)`, that fire in every model with a minimal explanation and whose head
+/// is about a fluent.
+[[nodiscard]] std::vector<std::string> firingDefaults(const HistoryProgram& program,
+                                                      const std::vector<CheckedRecord>& records,
+                                                      int current_step, const Optimum& optimum,
+                                                      const Atom& fluent);
+
+/// Indices of a minimal set of records that are inconsistent together.
+[[nodiscard]] std::vector<std::size_t> minimalConflict(const HistoryProgram& program,
+                                                       const std::vector<CheckedRecord>& records,
+                                                       int current_step);
+
+}  // namespace kr3::reasoner

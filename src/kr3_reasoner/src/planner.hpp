@@ -1,0 +1,41 @@
+#pragma once
+
+#include <atomic>
+#include <vector>
+
+#include "kr3_reasoner/reasoner.hpp"
+#include "models.hpp"
+
+namespace kr3::reasoner
+{
+
+/// Finds shortest plans from the current step of a history (DESIGN.md 3.2 point 8). Private to the
+/// package.
+///
+/// A plan found in one model is only a proposal. It is then tried in all models with minimal
+/// explanations: a counterexample says on which unknown fluents it depends, and those make the
+/// hypothesis, minimized literal by literal. Models that a hypothesis covers are left out of the
+/// next search, so there is one plan for each hypothesis.
+class Planner
+{
+public:
+  /// All must outlive the planner.
+  Planner(const Description& description, const HistoryProgram& program,
+          const std::vector<CheckedRecord>& records, int current_step, const Optimum& optimum,
+          const Consequences& consequences);
+
+  [[nodiscard]] PlanResult plan(const Formula& goal, const PlanOptions& options,
+                                const std::atomic<bool>* cancel) const;
+
+private:
+  class Search;
+
+  const Description& description_;
+  const HistoryProgram& program_;
+  const std::vector<CheckedRecord>& records_;
+  int current_step_;
+  Optimum optimum_;
+  const Consequences& consequences_;
+};
+
+}  // namespace kr3::reasoner
