@@ -27,6 +27,10 @@ namespace
 constexpr double kNear = 0.05;  // m
 constexpr double kFar = 50.0;   // m
 
+// Texture samples: large surfaces cost, objects are what is looked for.
+constexpr float kRoomAnisotropy = 1.0F;
+constexpr float kObjectAnisotropy = 4.0F;
+
 /// Copies what was drawn into memory, bottom row first, as OpenGL has it.
 class Capture : public osg::Camera::DrawCallback
 {
@@ -157,12 +161,13 @@ public:
 
 private:
   osg::ref_ptr<osg::MatrixTransform> add(const osg::ref_ptr<osg::Geometry>& geometry,
-                                         const std::string& texture, const osg::Matrixd& pose)
+                                         const std::string& texture, float anisotropy,
+                                         const osg::Matrixd& pose)
   {
     osg::ref_ptr<osg::Texture2D>& image = textures_[texture];
     if (!image)
     {
-      image = loadTexture(texture);
+      image = loadTexture(texture, anisotropy);
     }
     osg::ref_ptr<osg::Geode> geode = new osg::Geode;
     geode->addDrawable(geometry);
@@ -177,15 +182,16 @@ private:
   {
     const Rectangle all = building_.extent();
     add(tiledBox({all.x1 - all.x0, all.y1 - all.y0, 0.02}), building_.floor_texture,
+        kRoomAnisotropy,
         osg::Matrixd::translate((all.x0 + all.x1) / 2.0, (all.y0 + all.y1) / 2.0, -0.01));
     for (const Box& wall : wallsOf(building_))
     {
-      add(tiledBox(wall.size), building_.wall_texture,
+      add(tiledBox(wall.size), building_.wall_texture, kRoomAnisotropy,
           osg::Matrixd::translate(wall.center.x, wall.center.y, wall.center.z));
     }
     for (const Furniture& furniture : building_.furniture)
     {
-      add(tiledBox(furniture.size), furniture.texture,
+      add(tiledBox(furniture.size), furniture.texture, kRoomAnisotropy,
           matrixOf(poseOf(furniture.pose, furniture.size.z / 2.0)));
     }
   }
@@ -207,7 +213,8 @@ private:
         const ObjectModel& model = findModel(models_, state.model);
         object.geometry = model.shape == Shape::kBox ? coveredBox(model.size)
                                                      : wrappedCylinder(model.size.x, model.size.z);
-        object.node = add(object.geometry, model.texture, osg::Matrixd::identity());
+        object.node =
+            add(object.geometry, model.texture, kObjectAnisotropy, osg::Matrixd::identity());
       }
       if (as_mask)
       {

@@ -79,7 +79,7 @@ bool isPowerOfTwo(int value)
 }
 }  // namespace
 
-osg::ref_ptr<osg::Texture2D> loadTexture(const std::string& path)
+osg::ref_ptr<osg::Texture2D> loadTexture(const std::string& path, float anisotropy)
 {
   const osg::ref_ptr<osg::Image> image = osgDB::readRefImageFile(path);
   if (!image || !isPowerOfTwo(image->s()) || !isPowerOfTwo(image->t()))
@@ -91,7 +91,7 @@ osg::ref_ptr<osg::Texture2D> loadTexture(const std::string& path)
   texture->setWrap(osg::Texture::WRAP_S, osg::Texture::REPEAT);
   texture->setWrap(osg::Texture::WRAP_T, osg::Texture::REPEAT);
   texture->setFilter(osg::Texture::MIN_FILTER, osg::Texture::LINEAR_MIPMAP_LINEAR);
-  texture->setMaxAnisotropy(4.0F);
+  texture->setMaxAnisotropy(anisotropy);
   return texture;
 }
 
