@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace kr3::navigation
 {
@@ -47,6 +48,7 @@ void Driver::start(const DriveGoal& goal)
   nearest_remaining_m_ = std::numeric_limits<double>::infinity();
   progress_ = 0.0;
   replans_ = 0;
+  wants_fresh_map_ = false;
 }
 
 void Driver::redirect(const DriveGoal& goal)
@@ -54,6 +56,11 @@ void Driver::redirect(const DriveGoal& goal)
   goal_ = goal;
   if (phase_ != DrivePhase::kBlocked)
     phase_ = DrivePhase::kPlanning;
+}
+
+bool Driver::takeFreshMapRequest()
+{
+  return std::exchange(wants_fresh_map_, false);
 }
 
 void Driver::cancel()
@@ -86,24 +93,27 @@ void Driver::arrive()
 
 void Driver::plan(const DriveInput& input)
 {
-  const bool first = phase_ == DrivePhase::kPlanning;
+  const bool under_way = follower_.has_value();
   const PlannedPath path = input.planner.plan(input.pose.position(), goal_.position);
   if (!path.found())
   {
-    // What the map shows at the start is believed; on the way, an obstacle may be a passer-by.
-    if (first || ++replans_ > options_.max_replans)
-      giveUp(path.reason);
-    else
+    // What blocks the way may have left since it was seen, or be a passer-by.
+    const int patience = under_way ? options_.max_replans : 1;
+    if (++replans_ > patience || !input.planner.geometry().contains(goal_.position))
     {
-      phase_ = DrivePhase::kBlocked;
-      blocked_since_s_ = input.time_s;
+      giveUp(path.reason);
+      return;
     }
+    wants_fresh_map_ = !under_way;
+    phase_ = DrivePhase::kBlocked;
+    blocked_since_s_ = input.time_s;
     return;
   }
   follower_.emplace(path.points, options_.limits);
   ++num_plans_;
-  if (first)
+  if (!under_way)
   {
+    replans_ = 0;
     first_remaining_m_ = path.length_m;
     nearest_remaining_m_ = path.length_m;
     nearest_time_s_ = input.time_s;

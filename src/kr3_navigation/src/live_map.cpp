@@ -8,7 +8,10 @@ LiveMap::LiveMap(OccupancyMap map, bool given, const Rectangle& area, const Live
 {
   project();
   if (given)
+  {
     reference_ = distanceField(grid_);
+    given_ = map_.copy();
+  }
   map_.clearChanges();
 }
 
@@ -24,6 +27,15 @@ void LiveMap::insertScan(const LaserScan& scan, const Pose& T_map_laser, double 
     map_.insertScan(scan, T_map_laser, height_m, options_.revision_range_m, &*reference_);
   else
     map_.insertScan(scan, T_map_laser, height_m, options_.mapping_range_m);
+}
+
+void LiveMap::forgetRevisions()
+{
+  if (!given_)
+    return;
+  map_ = given_->copy();
+  project();
+  map_.clearChanges();
 }
 
 bool LiveMap::revise()

@@ -13,6 +13,7 @@ namespace kr3::navigation
 
 struct OccupancyMap::Impl
 {
+  explicit Impl(const octomap::OcTree& other) : tree(other) { tree.enableChangeDetection(true); }
   explicit Impl(const OccupancyMapOptions& options) : tree(options.resolution_m)
   {
     configure(options);
@@ -139,6 +140,11 @@ OccupancyMap::OccupancyMap(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) 
 OccupancyMap::OccupancyMap(OccupancyMap&&) noexcept = default;
 OccupancyMap& OccupancyMap::operator=(OccupancyMap&&) noexcept = default;
 OccupancyMap::~OccupancyMap() = default;
+
+OccupancyMap OccupancyMap::copy() const
+{
+  return OccupancyMap(std::make_unique<Impl>(impl_->tree));
+}
 
 OccupancyMap OccupancyMap::load(const std::filesystem::path& path,
                                 const OccupancyMapOptions& options)

@@ -10,29 +10,42 @@ namespace
 constexpr double kMemory = 3.0;  // s
 constexpr double kJump =
     0.5;  // m between two odometry messages: no robot drives that far in between
+// Of the first pose: a floor, and a share of the way from where odometry was zero.
 constexpr PoseSpread kInitialSpread{0.10, 0.05};
+constexpr double kDriftPosition = 0.03;      // m per m
+constexpr double kDriftYaw = 0.01;           // rad per m
 constexpr double kConfidentPosition = 0.10;  // m, standard deviation
 constexpr double kConfidentYaw = 0.05;       // rad
 constexpr double kConfidentFit = 0.30;       // m, mean distance of hits from the map
 
 }  // namespace
 
-PoseTracker::PoseTracker(std::optional<ParticleFilter> filter,
-                         const std::optional<Pose>& initial_pose)
-  : filter_(std::move(filter)), initial_pose_(initial_pose), odometry_(kMemory), known_(kMemory)
+PoseTracker::PoseTracker(std::optional<ParticleFilter> filter, const Pose& T_map_odom)
+  : filter_(std::move(filter)), initial_T_map_odom_(T_map_odom), odometry_(kMemory), known_(kMemory)
 {
 }
 
 bool PoseTracker::addOdometry(double time_s, const Pose& T_odom_base)
 {
-  const bool jumped =
-      !odometry_.empty() && distance(odometry_.latest().position(), T_odom_base.position()) > kJump;
   const bool first = odometry_.empty();
+  const bool jumped =
+      !first && distance(odometry_.latest().position(), T_odom_base.position()) > kJump;
   if (jumped)
     odometry_.clear();
   odometry_.add(time_s, T_odom_base);
-  if ((first || jumped) && filter_)
-    reset(initial_pose_.value_or(T_odom_base), kInitialSpread);
+  if (!filter_ || !(first || jumped))
+    return !jumped;
+  if (requested_start_)
+  {
+    const Start start = *requested_start_;
+    reset(start.T_map_base, start.spread);
+  }
+  else
+  {
+    const double driven_m = std::hypot(T_odom_base.x, T_odom_base.y);
+    reset(initial_T_map_odom_ * T_odom_base, {kInitialSpread.position_m + kDriftPosition * driven_m,
+                                              kInitialSpread.yaw_rad + kDriftYaw * driven_m});
+  }
   return !jumped;
 }
 
@@ -42,9 +55,10 @@ void PoseTracker::reset(const Pose& T_map_base, const PoseSpread& spread)
     filter_->reset(T_map_base, spread);
   if (odometry_.empty())
   {
-    initial_pose_ = T_map_base;  // holds from the first odometry on
+    requested_start_ = Start{T_map_base, spread};  // holds from the first odometry on
     return;
   }
+  requested_start_.reset();
   T_map_odom_ = T_map_base * inverse(odometry_.latest());
   last_scan_odometry_ = odometry_.latest();
 }

@@ -109,14 +109,29 @@ TEST_F(DriveTest, GivesUpWhenTheDoorIsShutAndSaysWhy)
   EXPECT_LT(time_, 60.0);
 }
 
-TEST_F(DriveTest, RefusesAGoalInAnObstacleAtOnce)
+TEST_F(DriveTest, RefusesAGoalOutsideTheMapAtOnce)
 {
   Driver driver{DriverOptions{}};
-  driver.start({{1.2, 0.8}, std::nullopt});
+  driver.start({{20.0, 0.8}, std::nullopt});
   const Velocity velocity = driver.step({0.0, pose_, *planner_, obstacles_, false});
   EXPECT_EQ(driver.phase(), DrivePhase::kUnreachable);
   EXPECT_EQ(velocity.linear, 0.0);
   EXPECT_EQ(velocity.angular, 0.0);
+}
+
+TEST_F(DriveTest, LooksOnceMoreBeforeItRefusesAGoalInAnObstacle)
+{
+  Driver driver{DriverOptions{}};
+  driver.start({{1.2, 0.8}, std::nullopt});
+  (void)driver.step({time_, pose_, *planner_, obstacles_, false});
+  EXPECT_EQ(driver.phase(), DrivePhase::kBlocked);
+  EXPECT_TRUE(driver.takeFreshMapRequest());
+  EXPECT_FALSE(driver.takeFreshMapRequest());
+  const Pose start = pose_;
+  run(driver, 5.0);
+  EXPECT_EQ(driver.phase(), DrivePhase::kUnreachable);
+  EXPECT_LT(time_, 1.5);
+  EXPECT_EQ(distance(pose_.position(), start.position()), 0.0);
 }
 
 TEST_F(DriveTest, ANewGoalReplacesTheOld)

@@ -77,7 +77,10 @@ class FakeRobot:
         while not rospy.is_shutdown():
             started = time.monotonic()
             self._step()
-            self._publish(tick)
+            try:
+                self._publish(tick)
+            except rospy.ROSException:
+                return  # the node shuts down
             tick += 1
             # the pace of simulated time, not a wait for something
             time.sleep(max(0.0, PERIOD / SPEED_UP - (time.monotonic() - started)))

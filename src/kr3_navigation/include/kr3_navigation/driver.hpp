@@ -68,6 +68,10 @@ public:
   /// The velocity for the next moment. Zero once the goal is reached or given up.
   [[nodiscard]] Velocity step(const DriveInput& input);
 
+  /// Whether, since the last call, no path was found from the start: obstacles remembered from
+  /// earlier should be forgotten before it tries once more.
+  [[nodiscard]] bool takeFreshMapRequest();
+
   [[nodiscard]] DrivePhase phase() const { return phase_; }
   [[nodiscard]] bool isActive() const
   {
@@ -106,6 +110,7 @@ private:
   double progress_ = 0.0;
   int replans_ = 0;
   int num_plans_ = 0;
+  bool wants_fresh_map_ = false;
 };
 
 }  // namespace kr3::navigation

@@ -36,6 +36,10 @@ public:
   /// Cost: a few ms for 40 000 nodes when something changed.
   bool revise();
 
+  /// Returns to the given map; scans then show anew what is different. Nothing happens while a map
+  /// is built.
+  void forgetRevisions();
+
   [[nodiscard]] const OccupancyMap& map() const { return map_; }
   [[nodiscard]] const OccupancyGrid& grid() const { return grid_; }
   [[nodiscard]] const PathPlanner& planner() const { return *planner_; }
@@ -47,6 +51,7 @@ private:
 
   LiveMapOptions options_;
   OccupancyMap map_;
+  std::optional<OccupancyMap> given_;
   Rectangle area_;
   OccupancyGrid grid_;
   std::optional<PathPlanner> planner_;

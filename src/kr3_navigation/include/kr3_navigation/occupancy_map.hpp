@@ -20,9 +20,10 @@ struct OccupancyMapOptions
 
 /// An OctoMap that grows with laser scans.
 ///
-/// OctoMap's own insertion lets grazing beams erase walls; here no node next to a surface that the same scan hits is
-/// counted as free. A single beam without a return is a dropout and says nothing. Not thread-safe.
-/// Source: Hornung et al., "OctoMap" (Autonomous Robots, 2013), Sec. 3; the two rules are ours.
+/// OctoMap's own insertion lets grazing beams erase walls; here no node next to a surface that the
+/// same scan hits is counted as free. A single beam without a return is a dropout and says nothing.
+/// Not thread-safe. Source: Hornung et al., "OctoMap" (Autonomous Robots, 2013), Sec. 3; the two
+/// rules are ours.
 class OccupancyMap
 {
 public:
@@ -38,6 +39,8 @@ public:
   OccupancyMap(OccupancyMap&&) noexcept;
   OccupancyMap& operator=(OccupancyMap&&) noexcept;
   ~OccupancyMap();
+
+  [[nodiscard]] OccupancyMap copy() const;
 
   /// Adds what a scan shows: nodes hit are more likely occupied, nodes passed are more likely free.
   ///

@@ -13,9 +13,11 @@ namespace kr3::navigation
 class PoseTracker
 {
 public:
-  /// @param filter        localises; without one, poses come from addKnownPose()
-  /// @param initial_pose  of the robot in the map; without one, the map's frame is that of odometry
-  PoseTracker(std::optional<ParticleFilter> filter, const std::optional<Pose>& initial_pose);
+  /// @param filter   localises; without one, poses come from addKnownPose()
+  /// @param T_map_odom  where the robot was in the map when its odometry was zero: so a node that
+  /// starts again while
+  ///                    the robot is under way finds it
+  PoseTracker(std::optional<ParticleFilter> filter, const Pose& T_map_odom);
 
   /// @return false when odometry jumped (the robot was put elsewhere, or it started again): the
   /// pose was then reset
@@ -53,8 +55,15 @@ public:
   [[nodiscard]] double probabilityIn(const Rectangle& area) const;
 
 private:
+  struct Start
+  {
+    Pose T_map_base;
+    PoseSpread spread;
+  };
+
   std::optional<ParticleFilter> filter_;
-  std::optional<Pose> initial_pose_;
+  Pose initial_T_map_odom_;
+  std::optional<Start> requested_start_;
   PoseHistory odometry_;
   PoseHistory known_;
   std::optional<Pose> T_map_odom_;

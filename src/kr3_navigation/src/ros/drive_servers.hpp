@@ -41,6 +41,8 @@ public:
   /// Ends the present goal, because the node stops.
   void stop();
 
+  /// See Driver::takeFreshMapRequest().
+  [[nodiscard]] bool takeFreshMapRequest() { return driver_.takeFreshMapRequest(); }
   [[nodiscard]] const Driver& driver() const { return driver_; }
 
 private:

@@ -46,7 +46,7 @@ LiveMap makeLiveMap(const NavigationNodeConfig& config, const std::vector<Place>
 PoseTracker makeTracker(const NavigationNodeConfig& config, const LiveMap& map)
 {
   if (config.pose_source == PoseSource::kGroundTruth)
-    return {std::nullopt, std::nullopt};
+    return {std::nullopt, Pose{}};
   return {ParticleFilter(map.reference(), config.particle_filter,
                          static_cast<std::uint64_t>(config.seed)),
           config.initial_pose};
@@ -301,6 +301,12 @@ void NavigationNode::control(double time_s)
     servers_->tick(
         {time_s, tracker_.pose(), live_map_.planner(), obstacles_base, map_changed_for_driver_});
     map_changed_for_driver_ = false;
+    if (servers_->takeFreshMapRequest())
+    {
+      ROS_INFO("no path: obstacles seen earlier are forgotten, and looked for again");
+      live_map_.forgetRevisions();
+      map_changed_for_driver_ = map_changed_for_others_ = true;
+    }
   }
   publishPath();
   if (!publish_time_s_ || time_s < *publish_time_s_ ||

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include <ros/node_handle.h>
@@ -27,7 +26,7 @@ struct NavigationNodeConfig
   std::filesystem::path map;      ///< read with kLocalisation only
   std::filesystem::path map_out;  ///< written by save_map; may be empty
   PoseSource pose_source = PoseSource::kLocalisation;
-  std::optional<Pose> initial_pose;
+  Pose initial_pose;  ///< where the robot was when its odometry was zero
   std::string map_frame = "map";
   std::string odom_frame = "odom";
   std::string base_frame = "base_link";
