@@ -12,7 +12,7 @@ from kr3_experiments.terminal import Terminal
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument(
-        "formula", help='such as "loc(tb1) = study_corner and not in_hand(rob1, tb1)"'
+        "formula", help='over literals of the domain, such as "f(x) = a and not g(x)"'
     )
     parser.add_argument(
         "--master", metavar="URI", help="the robot's ROS master (default: that of ./kr3 up)"

@@ -170,7 +170,7 @@ class Stack:
         return True
 
     def end(self) -> None:
-        """End everything that was started; takes bounded time, meanwhile Ctrl-C changes nothing. May be called twice."""
+        """End everything that was started, in bounded time; meanwhile Ctrl-C changes nothing. May be called twice."""
         previous = {
             number: signal.signal(number, signal.SIG_IGN)
             for number in (signal.SIGINT, signal.SIGTERM)
