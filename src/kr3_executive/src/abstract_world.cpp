@@ -190,10 +190,10 @@ FluentValues AbstractWorld::coarse() const
   FluentValues values;
   for (const auto& [fluent, value] : state_)
   {
-    LiteralText parts = takeApart(fluent);
-    for (auto& argument : parts.arguments)
-      argument = domain_.coarse(argument);
-    values[parts.fluent()] = domain_.coarse(value);
+    // A boolean fluent of a whole is true when that of a part is.
+    auto& whole = values[coarseFluent(domain_, fluent)];
+    if (whole != "true")
+      whole = domain_.coarse(value);
   }
   return values;
 }

@@ -74,6 +74,7 @@ MissionResult MissionDriver::achieve(const std::string& goal,
   while (state_.phase != Phase::kFinished)
   {
     std::optional<Event> event = interruption();
+    ll_action_.clear();
     try
     {
       if (!event)
@@ -295,6 +296,8 @@ Event MissionDriver::performAction()
   const LowLevelAction action = task_->action(index);
   const FluentLookup believed = [this](const std::string& fluent) { return believedValue(fluent); };
   LowLevelResult result;
+  ll_action_ = action.text;
+  publish();
   for (std::uint32_t attempt = 0;; ++attempt)
   {
     try
@@ -310,6 +313,7 @@ Event MissionDriver::performAction()
         throw;
     }
   }
+  ll_action_.clear();
   const bool explained = task_->update(index, result.observation);
   task_->remember(knowledge_.memory);
   report(EventKind::kLowLevelAction, narrator_.lowLevelAction(action, result, *task_));
@@ -348,10 +352,14 @@ Event MissionDriver::afterObservation(const LowLevelAction& action, bool explain
   std::vector<std::string> seen;
   for (const auto& [fluent, value] : task_->observed())
   {
-    const auto* declared = domain_.highLevel().findFluent(takeApart(fluent).symbol);
-    if (declared != nullptr)
-      seen.push_back(declared->value_sort ? fluent + " = " + domain_.coarse(value)
-                                          : (value == "true" ? fluent : "-" + fluent));
+    const std::string whole = coarseFluent(domain_, fluent);
+    const auto* declared = domain_.highLevel().findFluent(takeApart(whole).symbol);
+    if (declared == nullptr || (whole != fluent && value == "false"))
+      continue;  // a part that is not so says nothing about its whole
+    if (declared->value_sort)
+      seen.push_back(whole + " = " + domain_.coarse(value));
+    else
+      seen.push_back(value == "true" ? whole : "-" + whole);
   }
   const auto isSeen = [&](const std::string& literal) {
     return std::find(seen.begin(), seen.end(), literal) != seen.end();

@@ -227,13 +227,14 @@ void MissionDriver::report(EventKind kind, Narration narration)
   event.sequence = sequence_++;
   event.hl_step = static_cast<std::uint32_t>(state_.step);
   event.hl_action = state_.currentAction();
+  event.ll_action = ll_action_;
   event.narration = std::move(narration);
   observer_.onEvent(event);
 }
 
 void MissionDriver::publish()
 {
-  observer_.onSnapshot({state_, {}, knowledge_.history, facts_, exceptions_});
+  observer_.onSnapshot({state_, ll_action_, knowledge_.history, facts_, exceptions_});
 }
 
 }  // namespace kr3::executive

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <kr3_common/error.hpp>
+
+#include "literal_text.hpp"
 
 namespace kr3::executive
 {
@@ -46,12 +49,27 @@ Distribution normalised(Distribution values)
   return values;
 }
 
-bool isBoolean(const reasoner::Literal& literal)
+bool isBoolean(const std::string& value)
 {
-  return literal.value.name == "true" || literal.value.name == "false";
+  return value == "true" || value == "false";
+}
+
+std::string firstOf(const Distribution& values)
+{
+  return std::max_element(values.begin(), values.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
 }
 
 }  // namespace
+
+std::string coarseFluent(const refinement::LowLevelDomain& domain, const std::string& fluent)
+{
+  LiteralText parts = takeApart(fluent);
+  for (auto& argument : parts.arguments)
+    argument = domain.coarse(argument);
+  return parts.fluent();
+}
 
 std::vector<ObservedFluent> observedFluents(const reasoner::Description& low_level,
                                             const LowLevelAction& action)
@@ -89,34 +107,45 @@ refinement::InitialKnowledge initialKnowledge(const refinement::LowLevelDomain& 
                                               const SupportOf& support)
 {
   refinement::InitialKnowledge knowledge;
+  std::map<std::string, std::string> start;  // high-level values by fluent
   for (const auto& literal : zoom.start)
   {
-    if (!literal.equal)
+    if (literal.equal)
+      start[reasoner::toString(literal.atom)] = literal.value.name;
+  }
+  std::set<std::string> settled;
+  for (const auto& [fluent, remembered] : memory)
+  {
+    const std::string whole = coarseFluent(domain, fluent);
+    const auto held = start.find(whole);
+    if (held == start.end() || held->second == "false")
       continue;
-    const std::string fluent = reasoner::toString(literal.atom);
-    const std::string& value = literal.value.name;
-    if (const auto remembered = memory.find(fluent); remembered != memory.end())
+    double inside = 0.0;
+    for (const auto& component : domain.components(held->second))
     {
-      double inside = 0.0;
-      for (const auto& component : domain.components(value))
-      {
-        const auto entry = remembered->second.values.find(component);
-        inside += entry == remembered->second.values.end() ? 0.0 : entry->second;
-      }
-      if (inside > 0.5 || (remembered->second.assumed == value && inside > 0.0))
-      {
-        knowledge.fine[fluent] = remembered->second.values;
-        continue;
-      }
+      const auto entry = remembered.values.find(component);
+      inside += entry == remembered.values.end() ? 0.0 : entry->second;
     }
-    const double probability = support(reasoner::toString(literal)).probability;
+    const bool of_a_part = whole != fluent;  // a part may differ from its whole
+    if (inside > 0.5 || of_a_part || (remembered.assumed == held->second && inside > 0.0))
+    {
+      knowledge.fine[fluent] = remembered.values;
+      settled.insert(whole);
+    }
+  }
+  for (const auto& [fluent, value] : start)
+  {
+    if (settled.count(fluent) != 0)
+      continue;
+    const bool boolean = isBoolean(value);
+    const std::string literal =
+        boolean ? (value == "true" ? fluent : "-" + fluent) : fluent + " = " + value;
+    const double probability = support(literal).probability;
     if (probability >= kCertain)
       continue;
-    if (isBoolean(literal))
-      knowledge.fine[fluent] = {{value, probability},
-                                {value == "true" ? "false" : "true", 1.0 - probability}};
-    else
-      knowledge.coarse[fluent] = {{value, probability}};
+    knowledge.coarse[fluent] = {{value, probability}};
+    if (boolean)
+      knowledge.coarse[fluent][value == "true" ? "false" : "true"] = 1.0 - probability;
   }
   return knowledge;
 }
@@ -210,13 +239,11 @@ void LowLevelTask::remember(LowLevelMemory& memory) const
     Distribution values = normalised(pomdp_.fineMarginal(belief_, fluent.name));
     if (values.empty())
       continue;
-    const auto most =
-        std::max_element(values.begin(), values.end(),
-                         [](const auto& a, const auto& b) { return a.second < b.second; });
-    std::string assumed = most->first == kElsewhere ? std::string() : domain_.coarse(most->first);
+    const std::string most = firstOf(values);
+    std::string assumed = most == kElsewhere ? std::string() : domain_.coarse(most);
     for (const auto& literal : pomdp_.zoom().start)
     {
-      if (assumed.empty() && reasoner::toString(literal.atom) == fluent.name)
+      if (assumed.empty() && reasoner::toString(literal.atom) == coarseFluent(domain_, fluent.name))
         assumed = literal.value.name;
     }
     memory[fluent.name] = {std::move(values), std::move(assumed)};

@@ -128,6 +128,7 @@ private:
   Decision decision_;
   std::unique_ptr<LowLevelTask> task_;  // of the current high-level action
   std::string policy_id_;
+  std::string ll_action_;                      // under execution
   std::vector<reasoner::Literal> task_state_;  // s1 of the task
   std::vector<std::string> surprises_;         // texts, until the diagnosis
   std::vector<std::string> surprised_fluents_;

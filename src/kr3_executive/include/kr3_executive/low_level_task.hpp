@@ -21,6 +21,10 @@ struct ObservedFluent
   std::string value;   ///< of `observes f = v`: v; empty for `observes f`
 };
 
+/// A ground low-level fluent as the high level names it: `opened(cover_2)` is `opened(box)`.
+[[nodiscard]] std::string coarseFluent(const refinement::LowLevelDomain& domain,
+                                       const std::string& fluent);
+
 /// The observation laws of a ground low-level action, in the order of the description.
 [[nodiscard]] std::vector<ObservedFluent> observedFluents(const reasoner::Description& low_level,
                                                           const LowLevelAction& action);

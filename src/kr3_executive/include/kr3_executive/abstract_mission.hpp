@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <kr3_refinement/low_level_domain.hpp>
+#include <kr3_refinement/models.hpp>
+
+#include "kr3_executive/abstract_world.hpp"
+#include "kr3_executive/bindings.hpp"
+#include "kr3_executive/driver.hpp"
+#include "kr3_executive/in_process.hpp"
+#include "kr3_executive/scenario.hpp"
+
+namespace kr3::executive
+{
+
+struct AbstractMissionConfig
+{
+  DriverConfig driver;
+  reasoner::PlanOptions plan;
+  /// Components of each magnified element where the domain has no map.yaml.
+  std::size_t components_per_whole = 4;
+  double pitch_m = 2.0;
+};
+
+struct TrialResult
+{
+  MissionResult mission;
+  bool goal_is_true = false;  ///< in the world
+};
+
+/// Missions of one domain in the abstract simulator, all in process. Policies are cached from trial
+/// to trial; nothing else is carried over. Not thread-safe.
+class AbstractMissions
+{
+public:
+  /// @param directory  of the domain: domain.kr3, refinement.kr3, models.yaml, bindings.yaml, and,
+  ///                   where they exist, scenario.yaml and map.yaml
+  /// @throws Unavailable, InvalidArgument  a file is missing or wrong
+  AbstractMissions(const std::string& directory, AbstractMissionConfig config);
+
+  [[nodiscard]] const Scenario& scenario() const { return scenario_; }
+  [[nodiscard]] const refinement::LowLevelDomain& domain() const { return *domain_; }
+
+  /// The first valued fluent that a goal mentions. @throws InvalidArgument  it mentions none
+  [[nodiscard]] std::string targetFluent(const std::string& goal) const;
+
+  /// One mission from the scenario's initial records. What `truths` and those records leave open is
+  /// as the defaults say, and where they are silent drawn at random.
+  /// @param truths  literals `f = v` or `f` of the high level that are true in the world
+  TrialResult run(const std::string& goal, const std::vector<std::string>& truths,
+                  std::uint64_t seed, MissionObserver& observer);
+
+private:
+  AbstractMissionConfig config_;
+  std::unique_ptr<refinement::LowLevelDomain> domain_;
+  refinement::Models models_;
+  Bindings bindings_;
+  Scenario scenario_;
+  InProcessPolicyServer policies_;
+};
+
+}  // namespace kr3::executive

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "kr3_executive/skills_geometry.hpp"
+
+namespace kr3::executive::skills
+{
+
+struct ApproachOptions
+{
+  double min_distance_m = 0.45;  ///< from the robot's centre to the object
+  double max_distance_m =
+      0.66;  ///< less than the gripper's reach, by what driving and seeing may err
+  double best_distance_m = 0.58;  ///< in between
+  double robot_radius_m = 0.24;
+  double clearance_m = 0.05;  ///< kept to obstacles beyond the radius
+  int num_directions = 24;    ///< round the object
+};
+
+/// Free poses from which the robot faces an object within its gripper's reach, cheapest first: near
+/// to where the robot is, and at a comfortable distance. Empty when the object cannot be reached.
+/// @throws InvalidArgument  distances that are not ordered, or no directions
+[[nodiscard]] std::vector<Pose> approachPoses(const Point& object_map, const Pose& robot,
+                                              const Grid& grid, const ApproachOptions& options);
+
+}  // namespace kr3::executive::skills

@@ -1,0 +1,109 @@
+#include "kr3_executive/abstract_mission.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <utility>
+
+#include <kr3_common/error.hpp>
+
+#include "literal_text.hpp"
+#include "yaml_reader.hpp"
+
+namespace kr3::executive
+{
+namespace
+{
+
+/// A grid of components for every magnified element, as if a robot had mapped them.
+refinement::ComponentMap gridOf(const reasoner::Description& high_level,
+                                const reasoner::Description& refinement,
+                                const AbstractMissionConfig& config)
+{
+  std::vector<std::string> wholes;
+  for (const auto& magnified : refinement.magnifications)
+  {
+    const auto* sort = high_level.findSort(magnified.coarse);
+    if (sort != nullptr)
+      wholes.insert(wholes.end(), sort->elements.begin(), sort->elements.end());
+  }
+  return refinement::gridMap(wholes, config.components_per_whole, config.pitch_m);
+}
+
+const reasoner::Literal* firstValued(const reasoner::Formula& goal)
+{
+  if (goal.kind == reasoner::Formula::Kind::kLiteral)
+  {
+    const std::string& value = goal.literal.value.name;
+    return value == "true" || value == "false" ? nullptr : &goal.literal;
+  }
+  for (const auto& operand : goal.operands)
+  {
+    if (const auto* found = firstValued(operand))
+      return found;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+AbstractMissions::AbstractMissions(const std::string& directory, AbstractMissionConfig config)
+  : config_(std::move(config))
+{
+  const std::filesystem::path path(directory);
+  if (!std::filesystem::is_directory(path))
+    throw Unavailable("'" + directory + "' is no directory");
+  const auto high_level = reasoner::readDescription((path / "domain.kr3").string());
+  const std::string refinement_file = (path / "refinement.kr3").string();
+  const auto refined =
+      reasoner::parseRefinement(readTextFile(refinement_file), refinement_file, high_level);
+  const auto map_file = path / "map.yaml";
+  domain_ = std::make_unique<refinement::LowLevelDomain>(
+      high_level, refined,
+      std::filesystem::exists(map_file) ? refinement::readComponentMap(map_file.string())
+                                        : gridOf(high_level, refined, config_));
+  models_ = refinement::readModels((path / "models.yaml").string(), domain_->description());
+  bindings_ = Bindings::read((path / "bindings.yaml").string(), domain_->description());
+  if (std::filesystem::exists(path / "scenario.yaml"))
+    scenario_ = readScenario((path / "scenario.yaml").string(), high_level);
+}
+
+std::string AbstractMissions::targetFluent(const std::string& goal) const
+{
+  const auto formula = reasoner::parseGoal(goal, domain_->highLevel());
+  const auto* literal = firstValued(formula);
+  if (literal == nullptr)
+    throw InvalidArgument("the goal '" + goal + "' mentions no fluent with values; use --true");
+  return reasoner::toString(literal->atom);
+}
+
+TrialResult AbstractMissions::run(const std::string& goal, const std::vector<std::string>& truths,
+                                  std::uint64_t seed, MissionObserver& observer)
+{
+  const auto formula = reasoner::parseGoal(goal, domain_->highLevel());
+  InProcessReasoner reasoner(domain_->highLevel(), config_.plan);
+  reasoner.setHistory(scenario_.initial_records);
+  FluentValues start;
+  const auto add = [&start](const std::string& text) {
+    const LiteralText literal = takeApart(text);
+    if (literal.equal)
+      start[literal.fluent()] = literal.value;
+  };
+  for (const auto& literal : reasoner.entailedAt(0))
+    add(literal);
+  for (const auto& truth : truths)
+    add(reasoner::toString(reasoner::parseGroundLiteral(truth, domain_->highLevel())));
+  reasoner.setHistory({});
+
+  AbstractWorld world(*domain_, models_, seed);
+  world.reset(start);
+  const Narrator narrator(bindings_.phrases(), domain_->highLevel());
+  MissionDriver driver(
+      *domain_, models_, narrator, reasoner, policies_, world, observer,
+      [&world] { return world.now(); }, config_.driver);
+  TrialResult result;
+  result.mission = driver.achieve(goal, scenario_.initial_records, config_.driver.limits, 0.0);
+  result.goal_is_true = world.holds(formula);
+  return result;
+}
+
+}  // namespace kr3::executive

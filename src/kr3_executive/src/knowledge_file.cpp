@@ -1,0 +1,89 @@
+#include "kr3_executive/knowledge_file.hpp"
+
+#include <filesystem>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include <kr3_common/error.hpp>
+
+namespace kr3::executive
+{
+namespace
+{
+
+using nlohmann::json;
+
+constexpr int kVersion = 1;
+
+}  // namespace
+
+void writeKnowledge(const std::string& path, const Knowledge& knowledge)
+{
+  json history = json::array();
+  for (const auto& record : knowledge.history)
+  {
+    history.push_back({{"kind", static_cast<int>(record.kind)},
+                       {"statement", record.statement},
+                       {"value", record.value},
+                       {"step", record.step},
+                       {"confidence", record.confidence},
+                       {"source", record.source}});
+  }
+  json memory = json::object();
+  for (const auto& [fluent, remembered] : knowledge.memory)
+    memory[fluent] = {{"values", remembered.values}, {"assumed", remembered.assumed}};
+  const json document = {{"version", kVersion}, {"history", history}, {"memory", memory}};
+
+  const std::string fresh = path + ".new";
+  {
+    std::ofstream file(fresh);
+    file << document.dump(1) << "\n";
+    file.flush();
+    if (!file)
+      throw Unavailable("cannot write '" + fresh + "'");
+  }
+  std::error_code error;
+  std::filesystem::rename(fresh, path, error);
+  if (error)
+    throw Unavailable("cannot replace '" + path + "': " + error.message());
+}
+
+std::optional<Knowledge> readKnowledge(const std::string& path)
+{
+  if (!std::filesystem::exists(path))
+    return std::nullopt;
+  std::ifstream file(path);
+  if (!file)
+    throw Unavailable("cannot read '" + path + "'");
+  try
+  {
+    const json document = json::parse(file);
+    if (document.at("version").get<int>() != kVersion)
+      throw InvalidArgument(path + ": version " + document.at("version").dump() + ", expected " +
+                            std::to_string(kVersion));
+    Knowledge knowledge;
+    for (const auto& item : document.at("history"))
+    {
+      const int kind = item.at("kind").get<int>();
+      if (kind < 0 || kind > static_cast<int>(reasoner::RecordKind::kInitially))
+        throw InvalidArgument(path + ": record kind " + std::to_string(kind));
+      knowledge.history.push_back(
+          {static_cast<reasoner::RecordKind>(kind), item.at("statement").get<std::string>(),
+           item.at("value").get<bool>(), item.at("step").get<int>(),
+           item.at("confidence").get<double>(), item.at("source").get<std::string>()});
+    }
+    for (const auto& [fluent, item] : document.at("memory").items())
+    {
+      knowledge.memory[fluent] = {item.at("values").get<refinement::Distribution>(),
+                                  item.at("assumed").get<std::string>()};
+    }
+    return knowledge;
+  }
+  catch (const json::exception& e)
+  {
+    throw InvalidArgument(path + ": " + e.what());
+  }
+}
+
+}  // namespace kr3::executive

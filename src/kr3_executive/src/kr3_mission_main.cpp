@@ -1,0 +1,147 @@
+/// kr3_mission: whole missions in the abstract simulator. Needs no ROS.
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include <kr3_common/error.hpp>
+#include <kr3_refinement/low_level_domain.hpp>
+
+#include "kr3_executive/abstract_mission.hpp"
+
+namespace
+{
+
+using namespace kr3::executive;
+
+/// Prints what happens, one line an event.
+class Printer : public MissionObserver
+{
+public:
+  explicit Printer(bool quiet) : quiet_(quiet) {}
+  void onEvent(const ReportedEvent& event) override
+  {
+    if (!quiet_)
+      std::cout << std::setw(9) << toString(event.kind) << "  " << event.narration.text << "\n";
+  }
+  void onBelief(const ReportedBelief& /*belief*/) override {}
+  void onSnapshot(const Snapshot& /*snapshot*/) override {}
+
+private:
+  bool quiet_;
+};
+
+struct Options
+{
+  std::string domain;
+  std::string goal;
+  std::uint64_t seed = 1;
+  std::uint64_t trials = 1;
+  std::string target_at;
+  std::vector<std::string> truths;
+  AbstractMissionConfig mission;
+  bool quiet = false;
+};
+
+/// @return false when the program should end with `status`
+bool parse(int argc, char** argv, Options& options, int& status)
+{
+  CLI::App app{"Runs missions of a domain in the abstract simulator."};
+  app.option_defaults()->always_capture_default();
+  app.add_option("DOMAIN_DIR", options.domain,
+                 "directory with domain.kr3, refinement.kr3, models.yaml, bindings.yaml")
+      ->required();
+  app.add_option("--goal", options.goal, "formula; default: that of scenario.yaml");
+  app.add_option("--seed", options.seed, "of the first trial; the others count on");
+  app.add_option("--trials", options.trials)->check(CLI::PositiveNumber);
+  app.add_option("--target-at", options.target_at,
+                 "true value of the fluent that the goal is about");
+  app.add_option("--true", options.truths,
+                 "literal that is true in the world, such as \"loc(tb1) = kitchen\"");
+  app.add_option("--cells-per-place", options.mission.components_per_whole,
+                 "components of each magnified element where the domain has no map.yaml");
+  app.add_option("--max-backups", options.mission.driver.budget.max_backups,
+                 "of the solver, 0 = no limit");
+  app.add_option("--solve-time", options.mission.driver.budget.time_s,
+                 "s of the solver, 0 = no limit");
+  app.add_option("--default-probability", options.mission.driver.default_probability);
+  app.add_flag("--quiet", options.quiet, "print the summary only");
+  try
+  {
+    app.parse(argc, argv);
+  }
+  catch (const CLI::ParseError& error)
+  {
+    status = app.exit(error) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return false;
+  }
+  return true;
+}
+
+int run(const Options& options)
+{
+  AbstractMissions missions(options.domain, options.mission);
+  const std::string goal = options.goal.empty() ? missions.scenario().goal : options.goal;
+  if (goal.empty())
+    throw kr3::InvalidArgument("no goal: give --goal, the domain's scenario has none");
+  std::vector<std::string> truths = options.truths;
+  if (!options.target_at.empty())
+    truths.push_back(missions.targetFluent(goal) + " = " + options.target_at);
+  Printer printer(options.quiet);
+  std::uint64_t achieved = 0;
+  std::uint64_t declared = 0;
+  double hl_actions = 0.0;
+  double ll_actions = 0.0;
+  double duration_s = 0.0;
+  const auto start = std::chrono::steady_clock::now();
+  for (std::uint64_t trial = 0; trial < options.trials; ++trial)
+  {
+    const TrialResult result = missions.run(goal, truths, options.seed + trial, printer);
+    declared += result.mission.achieved ? 1 : 0;
+    achieved += result.mission.achieved && result.goal_is_true ? 1 : 0;
+    hl_actions += result.mission.hl_actions;
+    ll_actions += result.mission.ll_actions;
+    duration_s += result.mission.duration_s;
+    if (!options.quiet && !(result.mission.achieved && result.goal_is_true))
+      std::cout << "trial with seed " << options.seed + trial << ": "
+                << (result.mission.achieved ? "declared, but the goal is not true"
+                                            : result.mission.reason)
+                << "\n";
+  }
+  const double wall_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const auto n = static_cast<double>(options.trials);
+  std::cout << std::fixed << std::setprecision(2) << "achieved " << achieved << " of "
+            << options.trials << ", declared " << declared << ", high-level actions "
+            << hl_actions / n << ", low-level actions " << ll_actions / n << ", simulated "
+            << duration_s / n << " s, wall " << wall_s / n << " s a mission\n";
+  return achieved == options.trials ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+}  // namespace
+
+int main(int argc, char** argv)
+{
+  Options options;
+  int status = EXIT_SUCCESS;
+  if (!parse(argc, argv, options, status))
+    return status;
+  try
+  {
+    return run(options);
+  }
+  catch (const std::exception& error)
+  {
+    std::cerr << "kr3_mission: " << error.what() << "\n";
+    return 2;
+  }
+}

@@ -1,0 +1,261 @@
+#include "clients.hpp"
+
+#include <sstream>
+#include <utility>
+
+#include <kr3_common/error.hpp>
+#include <kr3_msgs/AddRecords.h>
+#include <kr3_msgs/Diagnose.h>
+#include <kr3_msgs/Entails.h>
+#include <kr3_msgs/ExplainLiteral.h>
+#include <kr3_msgs/GetPolicyAction.h>
+#include <kr3_msgs/GetState.h>
+#include <kr3_msgs/SetHistory.h>
+#include <kr3_pomdp/pomdp_format.hpp>
+
+#include "conversions.hpp"
+#include "kr3_executive/names.hpp"
+
+namespace kr3::executive
+{
+namespace
+{
+
+/// Calls a service whose reply begins with a status. A node that is being restarted gets some time.
+template <typename Service>
+void callService(ros::ServiceClient& client, Service& service)
+{
+  const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(5.0);
+  while (!client.call(service.request, service.response))
+  {
+    if (!ros::ok() || ros::WallTime::now() > deadline)
+      throw Unavailable("service '" + client.getService() + "' does not answer");
+    client.waitForExistence(ros::Duration(0.2));
+    ros::WallDuration(0.05).sleep();  // with a stopped clock the call above may return at once
+  }
+  throwIfFailed(service.response.status, client.getService());
+}
+
+void noteMissing(ros::ServiceClient& client, std::vector<std::string>& missing)
+{
+  if (!client.exists())
+    missing.push_back("service " + client.getService());
+}
+
+}  // namespace
+
+RosReasoner::RosReasoner(ros::NodeHandle nh, const reasoner::PlanOptions& options)
+  : options_(options)
+  , set_history_(nh.serviceClient<kr3_msgs::SetHistory>(names::kSetHistory))
+  , add_records_(nh.serviceClient<kr3_msgs::AddRecords>(names::kAddRecords))
+  , entails_(nh.serviceClient<kr3_msgs::Entails>(names::kEntails))
+  , explain_(nh.serviceClient<kr3_msgs::ExplainLiteral>(names::kExplain))
+  , diagnose_(nh.serviceClient<kr3_msgs::Diagnose>(names::kDiagnose))
+  , get_state_(nh.serviceClient<kr3_msgs::GetState>(names::kGetState))
+  , plan_(nh, names::kPlan)
+{
+}
+
+std::vector<std::string> RosReasoner::missing()
+{
+  std::vector<std::string> missing;
+  for (auto* client : {&set_history_, &add_records_, &entails_, &explain_, &diagnose_, &get_state_})
+    noteMissing(*client, missing);
+  if (!plan_.connected())
+    missing.push_back("action " + plan_.name());
+  return missing;
+}
+
+void RosReasoner::setHistory(const std::vector<reasoner::Record>& records)
+{
+  kr3_msgs::SetHistory service;
+  service.request.records = toMsg(records);
+  callService(set_history_, service);
+  history_ = records;
+}
+
+void RosReasoner::addRecords(const std::vector<reasoner::Record>& records)
+{
+  kr3_msgs::AddRecords service;
+  service.request.expected_num_records = static_cast<std::uint32_t>(history_.size());
+  service.request.records = toMsg(records);
+  callService(add_records_, service);
+  history_.insert(history_.end(), records.begin(), records.end());
+}
+
+void RosReasoner::synchronise()
+{
+  try
+  {
+    addRecords({});
+  }
+  catch (const FailedPrecondition&)
+  {
+    ROS_WARN("the reasoner holds another history; telling it again");
+    setHistory(std::vector<reasoner::Record>(history_));
+  }
+}
+
+reasoner::Diagnosis RosReasoner::diagnose()
+{
+  synchronise();
+  kr3_msgs::Diagnose service;
+  callService(diagnose_, service);
+  reasoner::Diagnosis diagnosis;
+  diagnosis.consistent = service.response.consistent;
+  diagnosis.cost = static_cast<int>(service.response.cost);
+  diagnosis.conflict = service.response.conflict;
+  for (const auto& text : service.response.explanations)
+  {
+    diagnosis.in_words.push_back(text);
+    diagnosis.explanations.emplace_back();
+    if (!text.empty())
+      diagnosis.explanations.back().push_back(text);
+  }
+  return diagnosis;
+}
+
+reasoner::Answer RosReasoner::entails(const std::string& literal, int step)
+{
+  synchronise();
+  kr3_msgs::Entails service;
+  service.request.literal = literal;
+  service.request.step = static_cast<std::uint32_t>(step);
+  callService(entails_, service);
+  return static_cast<reasoner::Answer>(service.response.answer);
+}
+
+bool RosReasoner::possible(const std::string& literal, int step)
+{
+  synchronise();
+  kr3_msgs::Entails service;
+  service.request.literal = literal;
+  service.request.step = static_cast<std::uint32_t>(step);
+  callService(entails_, service);
+  return service.response.possible;
+}
+
+std::vector<std::string> RosReasoner::entailedAt(int step)
+{
+  synchronise();
+  kr3_msgs::GetState service;
+  service.request.step = static_cast<std::uint32_t>(step);
+  callService(get_state_, service);
+  std::vector<std::string> literals;
+  for (const auto& literal : service.response.literals)
+    literals.push_back(literal.literal);
+  return literals;
+}
+
+reasoner::Explanation RosReasoner::explain(const std::string& literal, int step)
+{
+  synchronise();
+  kr3_msgs::ExplainLiteral service;
+  service.request.literal = literal;
+  service.request.step = static_cast<std::uint32_t>(step);
+  callService(explain_, service);
+  return {service.response.entailed != 0, service.response.reasons, service.response.records};
+}
+
+reasoner::PlanResult RosReasoner::plan(const std::string& goal, const std::atomic<bool>& cancel)
+{
+  synchronise();
+  kr3_msgs::MakePlanGoal request;
+  request.goal = goal;
+  request.max_horizon = static_cast<std::uint32_t>(options_.max_horizon);
+  const double time_s = std::chrono::duration<double>(options_.time_limit).count();
+  request.time_limit = ros::Duration(time_s);
+  // The node keeps its own limit; ours is for a node that hangs.
+  const kr3_msgs::MakePlanResult answer = plan_.call(request, cancel, 2.0 * time_s + 5.0);
+  throwIfFailed(answer.status, plan_.name());
+  reasoner::PlanResult result;
+  result.goal_entailed = answer.goal_entailed;
+  result.reason = answer.reason;
+  result.cpu_s = answer.cpu_s;
+  for (const auto& plan : answer.plans)
+    result.plans.push_back(fromMsg(plan));
+  return result;
+}
+
+RosPolicyServer::RosPolicyServer(ros::NodeHandle nh)
+  : solve_(nh, names::kSolve)
+  , get_action_(nh.serviceClient<kr3_msgs::GetPolicyAction>(names::kGetAction))
+{
+}
+
+std::vector<std::string> RosPolicyServer::missing()
+{
+  std::vector<std::string> missing;
+  noteMissing(get_action_, missing);
+  if (!solve_.connected())
+    missing.push_back("action " + solve_.name());
+  return missing;
+}
+
+SolvedPolicy RosPolicyServer::solve(const pomdp::Model& model, const SolveBudget& budget,
+                                    const std::atomic<bool>& cancel)
+{
+  std::ostringstream text;
+  pomdp::writePomdp(text, model);
+  kr3_msgs::SolveGoal request;
+  request.format = "pomdp";
+  request.model = text.str();
+  request.precision = budget.precision;
+  request.max_backups = budget.max_backups;
+  request.time_limit = ros::Duration(budget.time_s);
+  const double patience_s = budget.time_s > 0.0 ? 2.0 * budget.time_s + 10.0 : 0.0;
+  const kr3_msgs::SolveResult answer = solve_.call(request, cancel, patience_s);
+  if (cancel)
+    throw Cancelled("solving was cancelled");
+  throwIfFailed(answer.status, solve_.name());
+  return {answer.policy_id, answer.lower_bound, answer.upper_bound,
+          answer.backups,   answer.cpu_s,       answer.cached != 0};
+}
+
+std::size_t RosPolicyServer::actionAt(const std::string& policy_id, const pomdp::Belief& belief)
+{
+  kr3_msgs::GetPolicyAction service;
+  service.request.policy_id = policy_id;
+  service.request.belief = belief.probabilities();
+  callService(get_action_, service);
+  return service.response.action_index;
+}
+
+RosExecutor::RosExecutor(ros::NodeHandle nh, const Bindings& bindings) : bindings_(bindings)
+{
+  for (const auto& name : bindings.servers())
+    servers_[name] = std::make_unique<ActionPeer<kr3_msgs::ExecuteSkillAction>>(nh, name);
+}
+
+std::vector<std::string> RosExecutor::missing()
+{
+  std::vector<std::string> missing;
+  for (auto& [name, server] : servers_)
+  {
+    if (!server->connected())
+      missing.push_back("action " + name);
+  }
+  return missing;
+}
+
+LowLevelResult RosExecutor::execute(const LowLevelAction& action, const FluentLookup& believed,
+                                    const std::atomic<bool>& cancel)
+{
+  const SkillCall call = bindings_.call(action, believed);
+  kr3_msgs::ExecuteSkillGoal request;
+  request.skill = call.skill;
+  request.arguments = call.arguments;
+  request.time_limit = ros::Duration(call.time_limit_s);
+  const kr3_msgs::ExecuteSkillResult answer = servers_.at(call.server)->call(request, cancel, 0.0);
+  if (cancel)
+    throw Cancelled(action.text + " was cancelled");
+  throwIfFailed(answer.status, action.text + " by " + call.server);
+  LowLevelResult result;
+  result.outcome = answer.outcome;
+  result.observation = bindings_.observation(action, answer.outcome, answer.observation);
+  result.confidence = answer.confidence;
+  result.duration_s = answer.duration_s;
+  return result;
+}
+
+}  // namespace kr3::executive

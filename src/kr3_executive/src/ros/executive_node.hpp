@@ -1,0 +1,97 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <actionlib/server/simple_action_server.h>
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+
+#include <kr3_msgs/AchieveAction.h>
+#include <kr3_msgs/Tell.h>
+
+#include "clients.hpp"
+#include "kr3_executive/driver.hpp"
+#include "kr3_executive/scenario.hpp"
+
+namespace kr3::executive
+{
+
+/// Parameters of the executive node; config/executive_node.yaml says what they mean.
+struct ExecutiveNodeConfig
+{
+  std::string domain;
+  std::string refinement;
+  std::string models;
+  std::string bindings;
+  std::string scenario;    ///< may be empty
+  std::string state_file;  ///< may be empty
+  double peer_deadline_s = 60.0;
+  DriverConfig driver;
+  reasoner::PlanOptions plan;
+};
+
+/// @throws InvalidArgument  listing everything wrong with the parameters
+[[nodiscard]] ExecutiveNodeConfig loadExecutiveNodeConfig(const ros::NodeHandle& private_nh);
+
+/// Runs missions on a robot.
+///
+/// Missions run in the action server's own thread; everything else in the node's spinner.
+class ExecutiveNode : public MissionObserver
+{
+public:
+  /// Waits for the map's cells and for every node it needs.
+  ///
+  /// @param stop  set by a signal: waiting ends
+  /// @throws Unavailable        something did not answer in time; the message names it
+  /// @throws InvalidArgument    a file is wrong
+  /// @throws Cancelled          `stop` was set
+  ExecutiveNode(ros::NodeHandle nh, const ros::NodeHandle& private_nh, ExecutiveNodeConfig config,
+                const std::atomic<bool>& stop);
+  ~ExecutiveNode() override;
+  ExecutiveNode(const ExecutiveNode&) = delete;
+  ExecutiveNode& operator=(const ExecutiveNode&) = delete;
+
+  void onEvent(const ReportedEvent& event) override;
+  void onBelief(const ReportedBelief& belief) override;
+  void onSnapshot(const Snapshot& snapshot) override;
+
+private:
+  using AchieveServer = actionlib::SimpleActionServer<kr3_msgs::AchieveAction>;
+
+  void waitForPeers(const std::atomic<bool>& stop);
+  void restoreKnowledge();
+  void onAchieve(const kr3_msgs::AchieveGoalConstPtr& goal);
+  bool onTell(kr3_msgs::Tell::Request& request, kr3_msgs::Tell::Response& response);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  ExecutiveNodeConfig config_;
+  std::unique_ptr<refinement::LowLevelDomain> domain_;
+  refinement::Models models_;
+  Bindings bindings_;
+  Scenario scenario_;
+  std::unique_ptr<Narrator> narrator_;
+  RosReasoner reasoner_;
+  RosPolicyServer policies_;
+  std::unique_ptr<RosExecutor> executor_;
+  std::unique_ptr<MissionDriver> driver_;
+
+  std::mutex mutex_;  // guards the members down to `feedback_`
+  Snapshot snapshot_;
+  std::string belief_;
+  kr3_msgs::AchieveFeedback feedback_;
+
+  diagnostic_updater::Updater diagnostics_;
+  ros::Publisher state_publisher_;
+  ros::Publisher event_publisher_;
+  ros::Publisher belief_publisher_;
+  ros::WallTimer diagnostics_timer_;
+  ros::ServiceServer tell_;
+  std::unique_ptr<AchieveServer> achieve_;
+};
+
+}  // namespace kr3::executive
