@@ -9,7 +9,7 @@
 
 #include <kr3_common/error.hpp>
 
-namespace kr3::tools
+namespace kr3::refinement::tools
 {
 
 Options parse(int argc, char** argv, const std::string& purpose)
