@@ -27,9 +27,6 @@ contrary(_D) :- hd(_D,_F,_V,neg), c(_F,_V).
 fires(_D) :- dbody(_D), not contrary(_D).
 c(_F,_V) :- fires(_D), hd(_D,_F,_V,pos), not blocked(_D).
 cn(_F,_V) :- fires(_D), hd(_D,_F,_V,neg), not blocked(_D).
-blocked(_W) :- better(_B,_W), fires(_B), hd(_B,_F,_V,pos), hd(_W,_F,_U,pos), _U != _V.
-blocked(_W) :- better(_B,_W), fires(_B), hd(_B,_F,_V,pos), hd(_W,_F,_V,neg).
-blocked(_W) :- better(_B,_W), fires(_B), hd(_B,_F,_V,neg), hd(_W,_F,_V,pos).
 % Exceptions: contraries of heads may be assumed.
 abducible(no(_F,_V)) :- hd(_,_F,_V,pos).
 abducible(yes(_F,_V)) :- hd(_,_F,_V,neg).
@@ -42,9 +39,33 @@ c(_F,_V) :- ab(yes(_F,_V)).
 :- cn(_F,_V), h(_F,_V,0).
 :- c(_F,true), defined(_F), not h(_F,true,0).
 :- c(_F,false), defined(_F), h(_F,true,0).
-#defined init/2. #defined initn/2. #defined hd/4. #defined dbody/1. #defined better/2. #defined bool/1.
+#defined blocked/1. #defined init/2. #defined initn/2. #defined hd/4. #defined dbody/1. #defined better/2. #defined bool/1.
 #defined weight/2. #defined doubt/2. #defined c/2. #defined cn/2. #defined lit/2.
 #show h/3. #show ab/1. #show st/2.
+)";
+
+// A default is blocked while a better one with an exclusive head fires. What the worse one
+// concludes must not be what keeps the better one from firing: k, kn is what is known without
+// defaults.
+const char* const kPriorityRules = R"(
+% ---- Preferences ----
+exclude(_A,_B) :- hd(_A,_F,_V,pos), hd(_B,_F,_U,pos), _U != _V.
+exclude(_A,_B) :- hd(_A,_F,_V,pos), hd(_B,_F,_V,neg).
+exclude(_A,_B) :- hd(_A,_F,_V,neg), hd(_B,_F,_V,pos).
+blocked(_W) :- better(_B,_W), fires(_B), exclude(_B,_W).
+applied(_D) :- fires(_D), not blocked(_D).
+k(_F,_V) :- init(_F,_V).
+k(_F,_V) :- ab(yes(_F,_V)).
+kn(_F,_V) :- initn(_F,_V).
+kn(_F,_V) :- ab(no(_F,_V)).
+kn(_F,_V) :- lit(_F,_V), k(_F,_W), _W != _V.
+k(_F,false) :- kn(_F,true), bool(_F).
+k(_F,true) :- kn(_F,false), bool(_F).
+defeated(_D) :- hd(_D,_F,_V,pos), kn(_F,_V).
+defeated(_D) :- hd(_D,_F,_V,neg), k(_F,_V).
+defeated(_D) :- applied(_A), exclude(_A,_D), not better(_D,_A).
+:- better(_B,_W), exclude(_B,_W), applied(_W), dbody(_B), not defeated(_B).
+#defined k/2. #defined kn/2.
 )";
 
 const char* const kExogenousRules = R"(
@@ -79,7 +100,7 @@ HistoryProgram::HistoryProgram(const Description& description, const ReasonerOpt
 {
 }
 
-std::string HistoryProgram::closureLiteral(const Literal& open) const
+std::string HistoryProgram::closureLiteral(const Literal& open, const std::string& layer) const
 {
   const Literal literal = normalized(open, description_);
   const FluentDeclaration& fluent = *description_.findFluent(literal.atom.name);
@@ -87,17 +108,18 @@ std::string HistoryProgram::closureLiteral(const Literal& open) const
   {
     return encoding_.literal(literal, "0");
   }
-  return std::string(literal.equal ? "c(" : "cn(") + Encoding::term(literal.atom) + "," +
+  return layer + (literal.equal ? "(" : "n(") + Encoding::term(literal.atom) + "," +
          literal.value.name + ")";
 }
 
-std::string HistoryProgram::closureBody(const Body& body) const
+std::string HistoryProgram::closureBody(const Body& body, const std::string& layer) const
 {
   std::string text;
   for (const Condition& condition : body)
   {
     const auto* literal = std::get_if<Literal>(&condition);
-    text += literal != nullptr ? ", " + closureLiteral(*literal) : encoding_.body({condition}, "0");
+    text += literal != nullptr ? ", " + closureLiteral(*literal, layer)
+                               : encoding_.body({condition}, "0");
   }
   return text;
 }
@@ -128,7 +150,7 @@ std::string HistoryProgram::defaultRules(const Default& rule) const
   std::string text = Encoding::comment(rule.position);
   text += "hd(" + id + "," + head_text + (head.equal ? ",pos)" : ",neg)") + " :- #true" +
           guards.text() + encoding_.body(fixed, "0") + ".\n" + mentioned;
-  text += "dbody(" + id + ") :- #true" + guards.text() + closureBody(rule.body) + ".\n";
+  text += "dbody(" + id + ") :- #true" + guards.text() + closureBody(rule.body, "c") + ".\n";
   const auto weight = options_.default_weights.find(rule.name.name);
   const int price =
       weight == options_.default_weights.end() ? options_.exception_weight : weight->second;
@@ -137,7 +159,8 @@ std::string HistoryProgram::defaultRules(const Default& rule) const
   return text;
 }
 
-std::string HistoryProgram::constraintRules(const StateConstraint& constraint) const
+std::string HistoryProgram::constraintRules(const StateConstraint& constraint,
+                                            const std::string& layer) const
 {
   if (!constraint.head ||
       description_.findFluent(constraint.head->atom.name)->kind == FluentKind::kStatic)
@@ -157,8 +180,8 @@ std::string HistoryProgram::constraintRules(const StateConstraint& constraint) c
               guards.text() + ".\n";
     }
   }
-  return text + closureLiteral(*constraint.head) + " :- #true" + guards.text() +
-         closureBody(constraint.body) + ".\n";
+  return text + closureLiteral(*constraint.head, layer) + " :- #true" + guards.text() +
+         closureBody(constraint.body, layer) + ".\n";
 }
 
 std::string HistoryProgram::preferenceRules() const
@@ -197,9 +220,16 @@ std::string HistoryProgram::closure() const
   }
   for (const StateConstraint& constraint : description_.constraints)
   {
-    text += constraintRules(constraint);
+    text += constraintRules(constraint, "c");
   }
-  text += preferenceRules();
+  if (!description_.preferences.empty())
+  {
+    text += kPriorityRules + preferenceRules();
+    for (const StateConstraint& constraint : description_.constraints)
+    {
+      text += constraintRules(constraint, "k");
+    }
+  }
   text +=
       "weight(_X,_P) :- abducible(_X), _P = #min { _Q : price(_X,_Q) }, price(_X,_).\n#defined "
       "price/2.\n";

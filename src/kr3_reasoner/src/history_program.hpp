@@ -55,10 +55,11 @@ public:
 
 private:
   [[nodiscard]] std::string closure() const;
-  [[nodiscard]] std::string closureLiteral(const Literal& literal) const;
-  [[nodiscard]] std::string closureBody(const Body& body) const;
+  [[nodiscard]] std::string closureLiteral(const Literal& literal, const std::string& layer) const;
+  [[nodiscard]] std::string closureBody(const Body& body, const std::string& layer) const;
   [[nodiscard]] std::string defaultRules(const Default& rule) const;
-  [[nodiscard]] std::string constraintRules(const StateConstraint& constraint) const;
+  [[nodiscard]] std::string constraintRules(const StateConstraint& constraint,
+                                            const std::string& layer) const;
   [[nodiscard]] std::string preferenceRules() const;
   [[nodiscard]] std::string recordRules(const std::vector<CheckedRecord>& records,
                                         const Assumable& assumable, bool switchable) const;

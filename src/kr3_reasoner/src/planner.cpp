@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <functional>
 #include <optional>
 #include <set>
 #include <unordered_map>
@@ -77,6 +78,7 @@ public:
     , cancel_(cancel)
     , deadline_(Clock::now() + options.time_limit)
     , max_horizon_(options.max_horizon)
+    , on_horizon_(options.on_horizon)
     , encoding_(planner.description_)
     , solver_({"1", "--warn=none"})
     , now_(planner.current_step_)
@@ -95,6 +97,10 @@ public:
     }
     for (int length = 1; length <= max_horizon_ && uncovered(); ++length)
     {
+      if (on_horizon_)
+      {
+        on_horizon_(length);
+      }
       const int end = now_ + length;
       extendTo(end);
       solver_.control().assign_external(atom("query", end), Clingo::TruthValue::True);
@@ -504,6 +510,7 @@ private:
   const std::atomic<bool>* cancel_;
   Clock::time_point deadline_;
   int max_horizon_;
+  std::function<void(int)> on_horizon_;
   Encoding encoding_;
   Solver solver_;
   int now_;

@@ -75,6 +75,7 @@ struct PlanOptions
 {
   int max_horizon = 12;
   std::chrono::milliseconds time_limit{10000};
+  std::function<void(int)> on_horizon;  ///< called with each horizon before it is tried, if set
 };
 
 struct PlanResult
