@@ -35,7 +35,7 @@ TEST(PositionFromBox, InvertsTheProjection)
 
 TEST(PositionFromBox, UsesTheWidthWhereTheHeightIsCutOff)
 {
-  const cv::Rect whole = seenAt({0.0, -0.85, 2.0});
+  const cv::Rect whole = seenAt({0.0, -0.95, 2.0});
   const cv::Rect seen = whole & cv::Rect(0, 0, 640, 480);
   ASSERT_LT(seen.height, whole.height);
   const auto found = positionFromBox(seen, kObject, kCamera);
