@@ -84,14 +84,16 @@ NodeId BeliefGraph::nodeOf(std::uint32_t state_class, std::vector<double>& belie
     }
   }
   const auto id = static_cast<NodeId>(nodes_.size());
-  if (storage_.empty() || storage_.back().size() + belief.size() > storage_.back().capacity())
+  const std::size_t stride = padded(belief.size());
+  if (storage_.empty() || storage_.back().size() + stride > storage_.back().capacity())
   {
     storage_.emplace_back();
-    storage_.back().reserve(std::max(kBlock, belief.size()));
+    storage_.back().reserve(std::max(kBlock, stride));
   }
   std::vector<double>& block = storage_.back();
   const double* place = block.data() + block.size();
   block.insert(block.end(), belief.begin(), belief.end());
+  block.resize(block.size() + stride - belief.size(), 0.0);
   Node node{};
   node.state_class = state_class;
   node.lower = -kInfinity;
@@ -348,7 +350,11 @@ void BeliefGraph::backUp(NodeId id)
   {
     Node& node = nodes_[id];
     SawtoothSet& set = points_[node.state_class];
-    set.add(node.belief, best_upper.value);
+    if (node.point != 0)
+    {
+      set.remove(node.point - 1);
+    }
+    node.point = set.add(node.belief, best_upper.value) + 1;
     node.upper = best_upper.value;
   }
   const Choice best_lower = bestLower(id);

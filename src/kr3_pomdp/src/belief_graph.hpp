@@ -26,16 +26,18 @@ struct Edge
 /// What is known of an action at a belief.
 struct NodeAction
 {
-  double reward;  ///< expected immediate reward
-  bool useless;   ///< its upper bound fell below the node's lower bound: never optimal here
+  double reward;             ///< expected immediate reward
+  bool useless;              ///< its upper bound fell below the node's lower bound: never
+                             ///< optimal here
   std::uint32_t first_edge;  ///< in the node's edges
   std::uint32_t last_edge;   ///< one past
 };
 
-/// Beliefs that were met, each once, with their bounds; and the two value functions.
+/// Beliefs that were met, each once, with their bounds; and the two value
+/// functions.
 ///
-/// Bounds of a node are brought up to date when asked for: only vectors and points that came since
-/// are looked at. Not thread-safe.
+/// Bounds of a node are brought up to date when asked for: only vectors and
+/// points that came since are looked at. Not thread-safe.
 class BeliefGraph
 {
 public:
@@ -53,7 +55,8 @@ public:
   /// Least known upper bound of the belief's value; never rises.
   double upper(NodeId node);
 
-  /// Actions and outcomes of a node; computed the first time. The references stay valid.
+  /// Actions and outcomes of a node; computed the first time. The references
+  /// stay valid.
   const std::vector<NodeAction>& actions(NodeId node);
   const std::vector<Edge>& edges(NodeId node);
 
@@ -66,12 +69,13 @@ public:
     std::size_t action;
     double value;
   };
-  /// The action with the greatest bound; useless ones are left out, ties go to the first.
+  /// The action with the greatest bound; useless ones are left out, ties go to
+  /// the first.
   Choice bestLower(NodeId node);
   Choice bestUpper(NodeId node);
 
-  /// One point-based backup: a new vector if it raises the lower bound here, a new point if it
-  /// lowers the upper bound.
+  /// One point-based backup: a new vector if it raises the lower bound here, a
+  /// new point if it lowers the upper bound.
   void backUp(NodeId node);
 
 private:
@@ -86,10 +90,11 @@ private:
     std::uint32_t vector = 0;  // best known vector
     std::uint32_t vectors_seen = 0;
     std::uint32_t points_seen = 0;
+    std::uint32_t point = 0;      // index + 1 of its own point; 0 = none
     std::uint32_t expansion = 0;  // index + 1; 0 = not expanded
     double lower;
     double upper;
-    const double* belief;  // in `storage_`
+    const double* belief;  // padded, in `storage_`
   };
 
   NodeId nodeOf(std::uint32_t state_class, std::vector<double>& belief);
@@ -107,8 +112,8 @@ private:
   std::deque<Expansion> expansions_;
   std::deque<std::vector<double>> storage_;
   std::unordered_multimap<std::uint64_t, NodeId> index_;
-  // The belief that stands for an outcome that is impossible where a vector is built:
-  // [class][action][branch].
+  // The belief that stands for an outcome that is impossible where a vector is
+  // built: [class][action][branch].
   std::vector<std::vector<std::vector<NodeId>>> fallbacks_;
 };
 

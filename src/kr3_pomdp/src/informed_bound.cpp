@@ -12,7 +12,10 @@ namespace
 
 constexpr int kMaxSweeps = 4000;
 constexpr int kMaxInformedSweeps = 400;
-constexpr double kTolerance = 1e-6;  // relative to the range of values
+constexpr int kMaxBlindSweeps = 300;
+constexpr double kTolerance = 1e-6;  // relative to the range of rewards, as the next
+constexpr double kInformedTolerance = 1e-4;
+constexpr double kBlindTolerance = 1e-4;
 
 struct RewardRange
 {
@@ -41,6 +44,20 @@ RewardRange rewardRange(const ObservedModel& model)
   return range;
 }
 
+/// Whether the action keeps the state for ever.
+bool absorbs(const StateClass& state_class, std::size_t c, std::size_t a, std::size_t s)
+{
+  double stays = 0.0;
+  for (const Branch& branch : state_class.actions[a].branches)
+  {
+    for (const SparseEntry& next : branch.joint.row(s))
+    {
+      stays += branch.target_class == c && next.index == s ? next.probability : 0.0;
+    }
+  }
+  return stays > 1.0 - 1e-12;
+}
+
 InformedVectors filled(const ObservedModel& model, double value)
 {
   InformedVectors vectors(model.classes().size());
@@ -62,7 +79,8 @@ double greatestAt(const std::vector<std::vector<double>>& vectors, std::size_t s
   return greatest;
 }
 
-/// Q of the fully observed model, in place (each new value is used at once, which stays above).
+/// Q of the fully observed model, in place (each new value is used at once,
+/// which stays above).
 double observedSweep(const ObservedModel& model, std::vector<std::vector<double>>& values,
                      InformedVectors& vectors)
 {
@@ -137,6 +155,33 @@ double informedSweep(const ObservedModel& model, InformedVectors& vectors)
   return change;
 }
 
+/// One action for ever, in place (each new value is used at once, which stays below).
+double blindSweep(const ObservedModel& model, std::size_t a, InformedVectors& vectors)
+{
+  double change = 0.0;
+  for (std::size_t c = model.classes().size(); c-- > 0;)
+  {
+    const StateClass& state_class = model.classes()[c];
+    const ClassAction& action = state_class.actions[a];
+    for (std::size_t s = 0; s < state_class.states.size(); ++s)
+    {
+      double sum = 0.0;
+      for (const Branch& branch : action.branches)
+      {
+        for (const SparseEntry& next : branch.joint.row(s))
+        {
+          sum += next.probability * vectors[branch.target_class][a][next.index];
+        }
+      }
+      double& entry = vectors[c][a][s];
+      const double value = std::max(entry, action.rewards[s] + model.discount() * sum);
+      change = std::max(change, value - entry);
+      entry = value;
+    }
+  }
+  return change;
+}
+
 }  // namespace
 
 InformedVectors informedBound(const ObservedModel& model, const std::function<bool()>& keep_going)
@@ -148,6 +193,20 @@ InformedVectors informedBound(const ObservedModel& model, const std::function<bo
   for (const StateClass& state_class : model.classes())
   {
     values.emplace_back(state_class.states.size(), top);
+    for (std::size_t s = 0; s < state_class.states.size(); ++s)
+    {
+      bool kept = true;
+      double greatest = -std::numeric_limits<double>::infinity();
+      for (std::size_t a = 0; a < model.numActions() && kept; ++a)
+      {
+        kept = absorbs(state_class, values.size() - 1, a, s);
+        greatest = std::max(greatest, state_class.actions[a].rewards[s]);
+      }
+      if (kept)
+      {
+        values.back()[s] = greatest / (1.0 - model.discount());
+      }
+    }
   }
   const double enough = kTolerance * range.scale();
   for (int i = 0; i < kMaxSweeps && keep_going(); ++i)
@@ -159,7 +218,7 @@ InformedVectors informedBound(const ObservedModel& model, const std::function<bo
   }
   for (int i = 0; i < kMaxInformedSweeps && keep_going(); ++i)
   {
-    if (informedSweep(model, vectors) < 1e2 * enough)
+    if (informedSweep(model, vectors) < kInformedTolerance * range.scale())
     {
       break;
     }
@@ -170,36 +229,39 @@ InformedVectors informedBound(const ObservedModel& model, const std::function<bo
 InformedVectors blindBound(const ObservedModel& model, const std::function<bool()>& keep_going)
 {
   const RewardRange range = rewardRange(model);
-  InformedVectors vectors = filled(model, range.least / (1.0 - model.discount()));
-  for (int i = 0; i < kMaxSweeps && keep_going(); ++i)
+  InformedVectors vectors = filled(model, 0.0);
+  for (std::size_t a = 0; a < model.numActions(); ++a)
   {
-    double change = 0.0;
-    for (std::size_t c = model.classes().size(); c-- > 0;)
+    double least = std::numeric_limits<double>::infinity();
+    for (const StateClass& state_class : model.classes())
+    {
+      const std::vector<double>& rewards = state_class.actions[a].rewards;
+      least = std::min(least, *std::min_element(rewards.begin(), rewards.end()));
+    }
+    for (std::vector<std::vector<double>>& of_class : vectors)
+    {
+      std::fill(of_class[a].begin(), of_class[a].end(), least / (1.0 - model.discount()));
+    }
+  }
+  for (std::size_t a = 0; a < model.numActions(); ++a)
+  {
+    for (std::size_t c = 0; c < vectors.size(); ++c)
     {
       const StateClass& state_class = model.classes()[c];
-      for (std::size_t a = 0; a < state_class.actions.size(); ++a)
+      for (std::size_t s = 0; s < state_class.states.size(); ++s)
       {
-        const ClassAction& action = state_class.actions[a];
-        for (std::size_t s = 0; s < state_class.states.size(); ++s)
+        if (absorbs(state_class, c, a, s))
         {
-          double sum = 0.0;
-          for (const Branch& branch : action.branches)
-          {
-            for (const SparseEntry& next : branch.joint.row(s))
-            {
-              sum += next.probability * vectors[branch.target_class][a][next.index];
-            }
-          }
-          double& entry = vectors[c][a][s];
-          const double value = std::max(entry, action.rewards[s] + model.discount() * sum);
-          change = std::max(change, value - entry);
-          entry = value;
+          vectors[c][a][s] = state_class.actions[a].rewards[s] / (1.0 - model.discount());
         }
       }
     }
-    if (change < kTolerance * range.scale())
+    for (int i = 0; i < kMaxBlindSweeps && keep_going(); ++i)
     {
-      break;
+      if (blindSweep(model, a, vectors) < kBlindTolerance * range.scale())
+      {
+        break;
+      }
     }
   }
   return vectors;

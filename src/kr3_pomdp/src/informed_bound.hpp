@@ -8,19 +8,20 @@
 namespace kr3::pomdp
 {
 
-/// Vectors whose maximum at a belief is never below the optimal value: [class][action][state].
+/// Vectors whose maximum at a belief is never below the optimal value:
+/// [class][action][state].
 using InformedVectors = std::vector<std::vector<std::vector<double>>>;
 
-/// The fast informed bound, iterated from the bound of the fully observed model; every iterate is a
-/// valid bound, so it may stop at any time.
+/// The fast informed bound, iterated from the bound of the fully observed
+/// model; every iterate is a valid bound, so it may stop at any time.
 ///
 /// @param keep_going  asked between sweeps
 /// Source: Hauskrecht (2000), Sec. 4.4.
 [[nodiscard]] InformedVectors informedBound(const ObservedModel& model,
                                             const std::function<bool()>& keep_going);
 
-/// The value of doing one action for ever, for each action: [class][action][state]; every iterate
-/// is a valid lower bound.
+/// The value of doing one action for ever, for each action:
+/// [class][action][state]; every iterate is a valid lower bound.
 [[nodiscard]] InformedVectors blindBound(const ObservedModel& model,
                                          const std::function<bool()>& keep_going);
 

@@ -146,7 +146,7 @@ public:
       if (credit >= 1.0)
       {
         credit -= 1.0;
-        lowerTrial();
+        sampledTrial();
       }
       else
         upperTrial();
@@ -190,12 +190,14 @@ private:
     backUpPath();
   }
 
-  /// Follows the policy found so far, with some exploration: where upper bounds stay far off, this
-  /// improves the lower bound where it is used.
-  void lowerTrial()
+  /// Samples what happens, mostly under the policy found so far, at times under the
+  /// optimistic one, with some exploration: where upper bounds stay far off, this improves the
+  /// lower bound where it is used.
+  void sampledTrial()
   {
     NodeId node = graph_->root();
     const double root_gap = graph_->upper(node) - graph_->lower(node);
+    const bool optimistic = uniform() < kOptimistic;
     double weight = 1.0;
     path_.clear();
     while (weight > kLeastWeight &&
@@ -203,9 +205,15 @@ private:
     {
       path_.push_back(node);
       weight *= graph_->model().discount();
-      graph_->bestUpper(node);  // finds useless actions
-      const std::size_t action =
-          uniform() < kExploration ? anyUseful(node) : graph_->bestLower(node).action;
+      std::size_t action = graph_->bestUpper(node).action;
+      if (uniform() < kExploration)
+      {
+        action = anyUseful(node);
+      }
+      else if (!optimistic)
+      {
+        action = graph_->bestLower(node).action;
+      }
       node = sampledChild(node, action);
     }
     backUpPath();
@@ -255,10 +263,11 @@ private:
   double uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
 
   static constexpr std::size_t kMaxDepth = 2000;
-  static constexpr double kTrialTarget = 0.5;  // of the root's gap
-  static constexpr double kExploration = 0.1;  // probability
-  static constexpr double kLeastWeight = 0.2;  // discount at which a trial ends
-  static constexpr double kLeastGap = 0.01;    // of the root's gap
+  static constexpr double kTrialTarget = 0.5;   // of the root's gap
+  static constexpr double kOptimistic = 0.25;   // probability
+  static constexpr double kExploration = 0.1;   // probability
+  static constexpr double kLeastWeight = 0.05;  // discount at which a trial ends
+  static constexpr double kLeastGap = 0.01;     // of the root's gap
 
   BeliefGraph* graph_;
   double precision_;
