@@ -12,7 +12,7 @@ struct ApproachOptions
   double min_distance_m = 0.45;  ///< from the robot's centre to the object
   double max_distance_m =
       0.66;  ///< less than the gripper's reach, by what driving and seeing may err
-  double best_distance_m = 0.58;  ///< in between
+  double best_distance_m = 0.54;  ///< in between
   double robot_radius_m = 0.24;
   double clearance_m = 0.05;  ///< kept to obstacles beyond the radius
   int num_directions = 24;    ///< round the object
