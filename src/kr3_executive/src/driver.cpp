@@ -22,6 +22,16 @@ reasoner::Plan serialised(const reasoner::Plan& plan)
   return flat;
 }
 
+/// Whether a record that a statement has a truth value settles that a literal holds.
+bool settles(const LiteralText& statement, bool value, const LiteralText& literal)
+{
+  if (statement.fluent() != literal.fluent() || !statement.equal || !literal.equal)
+    return false;
+  if (!literal.isBoolean())
+    return value && statement.value == literal.value;
+  return (statement.value == "true") == value ? literal.value == "true" : literal.value == "false";
+}
+
 }  // namespace
 
 MissionDriver::MissionDriver(const refinement::LowLevelDomain& domain,
@@ -46,6 +56,7 @@ void MissionDriver::setKnowledge(Knowledge knowledge)
 {
   const std::lock_guard<std::mutex> lock(mission_mutex_);
   reasoner_.setHistory(knowledge.history);
+  supports_.clear();
   knowledge_ = std::move(knowledge);
 }
 
@@ -184,7 +195,7 @@ Event MissionDriver::performPlan()
   PlanReady event{result.goal_entailed, {}, result.reason};
   if (result.goal_entailed || result.plans.empty())
     return event;
-  const std::vector<reasoner::Literal> known = believedState();
+  const std::vector<reasoner::Literal> known = believedState({});
   for (const auto& found : result.plans)
   {
     CostedPlan plan{serialised(found), 0.0};
@@ -198,7 +209,8 @@ Event MissionDriver::performPlan()
   return event;
 }
 
-std::vector<reasoner::Literal> MissionDriver::believedState()
+std::vector<reasoner::Literal> MissionDriver::believedState(
+    const std::vector<std::string>& hypothesis)
 {
   std::vector<reasoner::Literal> state;
   std::vector<std::string> settled;
@@ -210,9 +222,7 @@ std::vector<reasoner::Literal> MissionDriver::believedState()
     settled.push_back(reasoner::toString(literal.atom));
     state.push_back(std::move(literal));
   }
-  if (!state_.plan)
-    return state;
-  for (const auto& text : state_.plan->plan.hypothesis)
+  for (const auto& text : hypothesis)
   {
     reasoner::Literal literal = reasoner::parseGroundLiteral(text, domain_.highLevel());
     if (std::find(settled.begin(), settled.end(), reasoner::toString(literal.atom)) ==
@@ -229,6 +239,16 @@ Support MissionDriver::supportOf(const std::string& literal)
 
 Support MissionDriver::supportOf(const std::string& literal, int step)
 {
+  const auto known = supports_.find({literal, step});
+  if (known != supports_.end())
+    return known->second;
+  Support support = findSupport(literal, step);
+  supports_[{literal, step}] = support;
+  return support;
+}
+
+Support MissionDriver::findSupport(const std::string& literal, int step)
+{
   if (reasoner_.entails(literal, step) != reasoner::Answer::kTrue)
   {
     // A hypothesis, one of those that are left.
@@ -242,10 +262,27 @@ Support MissionDriver::supportOf(const std::string& literal, int step)
     }
     return {1.0 / static_cast<double>(std::max<std::size_t>(open, 2)), "assumed"};
   }
+  // What was observed last needs no search for reasons.
+  const LiteralText asked = takeApart(literal);
+  const reasoner::Record* seen = nullptr;
+  for (const auto& record : knowledge_.history)
+  {
+    const bool about = (record.kind == reasoner::RecordKind::kObserved ||
+                        record.kind == reasoner::RecordKind::kInitially) &&
+                       record.step <= step;
+    if (about && settles(takeApart(record.statement), record.value, asked))
+      seen = &record;
+  }
+  if (seen != nullptr)
+    return {seen->confidence, "observed at step " + std::to_string(seen->step)};
+
   const reasoner::Explanation why = reasoner_.explain(literal, step);
   const std::string by_default = narrator_.defaultIn(why);
   if (!by_default.empty())
+  {
+    expected_by_default_[literal] = by_default;
     return {config_.default_probability, "default " + by_default};
+  }
   double probability = 1.0;
   for (const auto& record : knowledge_.history)
   {
@@ -260,7 +297,7 @@ Event MissionDriver::performPolicy(const RequestPolicy& request)
 {
   try
   {
-    task_state_ = believedState();
+    task_state_ = believedState(state_.plan->plan.hypothesis);
     const auto zoom = refinement::zoom(
         domain_, task_state_, reasoner::parseGroundAction(request.action, domain_.highLevel()));
     const auto knowledge = initialKnowledge(domain_, zoom, knowledge_.memory,

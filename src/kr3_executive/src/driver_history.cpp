@@ -58,6 +58,7 @@ void MissionDriver::addToHistory(const std::vector<Record>& records)
     reasoner_.setHistory(all);
   }
   knowledge_.history = std::move(all);
+  supports_.clear();
 }
 
 bool MissionDriver::isUnexpected(const Record& record)
@@ -87,8 +88,10 @@ Event MissionDriver::performRecords(const std::vector<Record>& records)
     if (!surprise)
       continue;
     const bool later = record.step > currentStep(knowledge_.history);
-    if (later && !isAction(record) && state_.last_result == ActionResult::kDisplaced)
-      continue;  // the action that is recorded with it says it all
+    const bool told_already = state_.last_result == ActionResult::kDisplaced ||
+                              state_.last_result == ActionResult::kRefuted;
+    if (later && !isAction(record) && told_already)
+      continue;  // it follows from the record before it
     const bool asked = !isAction(record) && !record.value && !later;
     surprises_.push_back(
         narrator_.surprise(record, asked ? supportOf(record.statement, record.step) : Support{}));
@@ -106,7 +109,7 @@ Event MissionDriver::performRecords(const std::vector<Record>& records)
 Event MissionDriver::performDiagnosis()
 {
   const reasoner::Diagnosis diagnosis = reasoner_.diagnose();
-  exceptions_.clear();
+  const std::vector<std::string> known = std::exchange(exceptions_, {});
   std::vector<std::string> expectations;
   if (diagnosis.consistent)
   {
@@ -124,7 +127,8 @@ Event MissionDriver::performDiagnosis()
                              (support.reason.empty() ? "" : " (" + support.reason + ")"));
     }
   }
-  report(EventKind::kDiagnosis, narrator_.diagnosis(surprises_, diagnosis, expectations));
+  report(EventKind::kDiagnosis,
+         narrator_.diagnosis(surprises_, diagnosis, known, expected_by_default_, expectations));
   surprises_.clear();
   surprised_fluents_.clear();
   refreshFacts();
@@ -145,6 +149,7 @@ Event MissionDriver::performReopen()
   Record reopened = *least;
   const std::string fluent = takeApart(reopened.statement).fluent();
   history.erase(least);
+  supports_.clear();
   reasoner_.setHistory(history);
   knowledge_.memory.erase(fluent);
   Narration narration = narrator_.record(reopened, false);
@@ -207,11 +212,7 @@ void MissionDriver::refreshFacts()
       });
       if (!about || !literal.equal || literal.value == "false")
         continue;
-      const auto why = reasoner_.explain(text, step);
-      std::string reason;
-      for (const auto& line : why.reasons)
-        reason += (reason.empty() ? "" : "; ") + line;
-      facts_.push_back({text, static_cast<std::uint32_t>(step), reason});
+      facts_.push_back({text, static_cast<std::uint32_t>(step), supportOf(text, step).reason});
     }
   }
   catch (const FailedPrecondition&)  // an inconsistent history entails nothing

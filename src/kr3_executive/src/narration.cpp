@@ -1,7 +1,6 @@
 #include "kr3_executive/narration.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -37,11 +36,6 @@ std::string filled(std::string pattern, const LiteralText& literal)
     replace("{" + std::to_string(i + 1) + "}", literal.arguments[i]);
   replace("{value}", literal.value);
   return pattern;
-}
-
-bool isWordCharacter(char c)
-{
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
 json assessmentJson(const Assessment& assessment)
@@ -116,23 +110,20 @@ std::string Narrator::refuted(const std::string& literal) const
 
 std::string Narrator::defaultIn(const reasoner::Explanation& explanation) const
 {
+  static const std::string kBy = "by default ";
   for (const auto& reason : explanation.reasons)
   {
-    if (reason.find("default") == std::string::npos)
+    const auto at = reason.find(kBy);
+    if (at == std::string::npos)
       continue;
-    for (const auto& name : defaults_)
-    {
-      for (auto at = reason.find(name); at != std::string::npos; at = reason.find(name, at + 1))
-      {
-        const auto end = at + name.size();
-        if ((at > 0 && isWordCharacter(reason[at - 1])) ||
-            (end < reason.size() && isWordCharacter(reason[end])))
-          continue;
-        const bool has_arguments = end < reason.size() && reason[end] == '(';
-        const auto close = has_arguments ? reason.find(')', end) : std::string::npos;
-        return reason.substr(at, close == std::string::npos ? name.size() : close + 1 - at);
-      }
-    }
+    const auto begin = at + kBy.size();
+    const auto end = reason.find_first_of(" (,.;:", begin);
+    const std::string name = reason.substr(begin, end == std::string::npos ? end : end - begin);
+    if (std::find(defaults_.begin(), defaults_.end(), name) == defaults_.end())
+      continue;
+    const bool has_arguments = end != std::string::npos && reason[end] == '(';
+    const auto close = has_arguments ? reason.find(')', end) : std::string::npos;
+    return close == std::string::npos ? name : reason.substr(begin, close + 1 - begin);
   }
   return {};
 }
@@ -199,7 +190,10 @@ Narration Narrator::policy(const std::string& action, const SolvedPolicy& policy
 Narration Narrator::lowLevelAction(const LowLevelAction& action, const LowLevelResult& result,
                                    const LowLevelTask& task) const
 {
-  std::string text = action.text;
+  std::string text = action.symbol;
+  for (std::size_t i = 0; i < action.arguments.size(); ++i)
+    text += (i == 0 ? "(" : ", ") + action.arguments[i];
+  text += action.arguments.empty() ? "" : ")";
   if (!result.outcome.empty())
     text += ": " + result.outcome;
   if (!result.observation.empty())
@@ -262,8 +256,43 @@ std::string Narrator::surprise(const reasoner::Record& record, const Support& ex
   return "expected otherwise" + basis + ", but " + phrase(record.statement);
 }
 
+std::string Narrator::inWords(const std::vector<std::string>& explanation,
+                              const std::map<std::string, std::string>& defaults_of) const
+{
+  static const std::string kInit = "init(";
+  static const std::string kFalse = ", false)";
+  static const std::string kFailed = "failed(";
+  std::vector<std::string> sentences;
+  for (const auto& statement : explanation)
+  {
+    const auto end = statement.rfind(kFalse);
+    const auto comma = statement.rfind(", ");
+    if (statement.compare(0, kInit.size(), kInit) == 0 && end != std::string::npos)
+    {
+      const std::string literal = statement.substr(kInit.size(), end - kInit.size());
+      const LiteralText parts = takeApart(literal);
+      const auto by = defaults_of.find(literal);
+      const std::string subject = parts.arguments.empty() ? literal : parts.arguments.front();
+      sentences.push_back(by == defaults_of.end()
+                              ? "from the start it was not so that " + phrase(literal)
+                              : subject + " is an exception to " + by->second);
+    }
+    else if (statement.compare(0, kFailed.size(), kFailed) == 0 && comma != std::string::npos)
+    {
+      sentences.push_back(statement.substr(kFailed.size(), comma - kFailed.size()) +
+                          " failed at step " +
+                          statement.substr(comma + 2, statement.size() - comma - 3));
+    }
+    else
+      sentences.push_back("there was " + statement);
+  }
+  return listed(sentences);
+}
+
 Narration Narrator::diagnosis(const std::vector<std::string>& surprises,
                               const reasoner::Diagnosis& diagnosis,
+                              const std::vector<std::string>& known,
+                              const std::map<std::string, std::string>& defaults_of,
                               const std::vector<std::string>& expectations) const
 {
   std::string text = listed(surprises);
@@ -271,16 +300,19 @@ Narration Narrator::diagnosis(const std::vector<std::string>& surprises,
   {
     text += "; no explanation: " + listed(diagnosis.conflict) + " contradict each other";
   }
-  else if (diagnosis.explanations.size() == 1 && !diagnosis.explanations.front().empty())
+  else if (!diagnosis.explanations.empty() && !diagnosis.explanations.front().empty())
   {
-    text += ": " + (diagnosis.in_words.empty() ? listed(diagnosis.explanations.front())
-                                               : diagnosis.in_words.front());
-  }
-  else if (diagnosis.explanations.size() > 1)
-  {
-    text += ": " + std::to_string(diagnosis.explanations.size()) + " explanations, such as " +
-            (diagnosis.in_words.empty() ? listed(diagnosis.explanations.front())
-                                        : diagnosis.in_words.front());
+    const std::size_t others = diagnosis.explanations.size() - 1;
+    std::vector<std::string> fresh;
+    for (const auto& part : diagnosis.explanations.front())
+    {
+      if (std::find(known.begin(), known.end(), part) == known.end())
+        fresh.push_back(part);
+    }
+    if (!fresh.empty())
+      text += ": " + inWords(fresh, defaults_of);
+    if (others > 0)
+      text += ", or one of " + std::to_string(others) + " other explanations";
   }
   if (!expectations.empty())
     text += "; now expected " + listed(expectations);

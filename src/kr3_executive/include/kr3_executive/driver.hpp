@@ -3,10 +3,12 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <kr3_refinement/low_level_domain.hpp>
@@ -105,9 +107,12 @@ private:
   [[nodiscard]] std::string believedValue(const std::string& fluent) const;
   [[nodiscard]] std::optional<Event> interruption();
   [[nodiscard]] Event afterObservation(const LowLevelAction& action, bool explained);
-  [[nodiscard]] std::vector<reasoner::Literal> believedState();
+  /// What is entailed now, and what is assumed where nothing is.
+  [[nodiscard]] std::vector<reasoner::Literal> believedState(
+      const std::vector<std::string>& hypothesis);
   [[nodiscard]] Support supportOf(const std::string& literal);
   [[nodiscard]] Support supportOf(const std::string& literal, int step);
+  [[nodiscard]] Support findSupport(const std::string& literal, int step);
   [[nodiscard]] bool isUnexpected(const reasoner::Record& record);
   [[nodiscard]] std::optional<std::string> happened(const std::vector<std::string>& changed) const;
   void addToHistory(const std::vector<reasoner::Record>& records);
@@ -134,6 +139,8 @@ private:
   std::vector<std::string> surprised_fluents_;
   std::vector<std::string> exceptions_;  // the minimal explanation in force
   std::vector<ExplainedFact> facts_;
+  std::map<std::pair<std::string, int>, Support> supports_;  // of the present history
+  std::map<std::string, std::string> expected_by_default_;   // default that once gave a literal
   std::uint32_t sequence_ = 0;
   std::optional<double> deadline_s_;
 

@@ -114,11 +114,18 @@ public:
   /// "expected tb1 in main_library (default d1(tb1)), not found there"
   [[nodiscard]] std::string surprise(const reasoner::Record& record, const Support& expected) const;
   /// "<surprises>: <why>; now expected tb1 in aux_library (default d2(tb1))"
+  /// @param known        parts of the explanation that were given before; not said again
+  /// @param defaults_of  the default that gave a literal, where one did
   [[nodiscard]] Narration diagnosis(const std::vector<std::string>& surprises,
                                     const reasoner::Diagnosis& diagnosis,
+                                    const std::vector<std::string>& known,
+                                    const std::map<std::string, std::string>& defaults_of,
                                     const std::vector<std::string>& expectations) const;
 
 private:
+  [[nodiscard]] std::string inWords(const std::vector<std::string>& explanation,
+                                    const std::map<std::string, std::string>& defaults_of) const;
+
   std::map<std::string, Phrase> phrases_;
   std::vector<std::string> defaults_;
 };

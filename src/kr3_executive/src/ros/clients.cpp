@@ -1,5 +1,6 @@
 #include "clients.hpp"
 
+#include <algorithm>
 #include <sstream>
 #include <utility>
 
@@ -20,6 +21,9 @@ namespace kr3::executive
 {
 namespace
 {
+
+/// Between the statements of an explanation in Diagnose.srv.
+const std::string kSeparator = "; ";
 
 /// Calls a service whose reply begins with a status. A node that is being restarted gets some time.
 template <typename Service>
@@ -107,10 +111,13 @@ reasoner::Diagnosis RosReasoner::diagnose()
   diagnosis.conflict = service.response.conflict;
   for (const auto& text : service.response.explanations)
   {
-    diagnosis.in_words.push_back(text);
     diagnosis.explanations.emplace_back();
-    if (!text.empty())
-      diagnosis.explanations.back().push_back(text);
+    for (std::size_t begin = 0; begin < text.size();)
+    {
+      const auto end = std::min(text.find(kSeparator, begin), text.size());
+      diagnosis.explanations.back().push_back(text.substr(begin, end - begin));
+      begin = end + kSeparator.size();
+    }
   }
   return diagnosis;
 }
