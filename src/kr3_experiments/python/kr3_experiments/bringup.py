@@ -38,9 +38,9 @@ def add_world_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--real-time-factor",
         type=float,
-        default=0.0,
+        default=4.0,
         metavar="X",
-        help="simulated s per s; 0: as fast as possible",
+        help="simulated s per s of wall time (default: 4); 0: as fast as possible",
     )
     parser.add_argument("--port", type=int, help="port of the ROS master")
     parser.add_argument(

@@ -3,7 +3,7 @@ import json
 from dataclasses import asdict, dataclass
 from enum import IntEnum
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Tuple
 
 
 class EventKind(IntEnum):
@@ -86,17 +86,32 @@ def event_from_message(message: Any, start_s: float) -> Event:
     )
 
 
-def terminal_line(event: Event, colour: bool) -> str:
-    """The event as it scrolls by: simulated time, kind, text; further lines of the text are indented."""
-    indent = " " * 22
+def split_text(event: Event) -> Tuple[str, str]:
+    """What happened, and for a low-level action the belief after it (else empty), without the label's own word."""
     text = event.text.strip()
-    if event.label and text.lower().startswith(event.label + ": "):
-        text = text[len(event.label) + 2 :]
-    text = text.replace("\n", "\n" + indent)
+    for separator in (": ", " "):
+        if event.label and text.lower().startswith(event.label + separator):
+            text = text[len(event.label + separator) :]
+            break
+    if event.kind is not EventKind.LL_ACTION:
+        return text, ""
+    happened, _, belief = text.partition("; ")
+    return happened, belief
+
+
+def terminal_line(event: Event, colour: bool) -> str:
+    """The event as it scrolls by: simulated time, kind, text; the belief after a low-level action on a line of its own."""
+    indent = " " * 22
+    text, belief = split_text(event)
     if event.kind is EventKind.LL_ACTION:
         text = "- " + text
-    line = f"{event.time_s:8.1f} s  {event.label:<10} {text}"
-    return f"\033[{_COLOURS[event.kind]}m{line}\033[0m" if colour else line
+    line = f"{event.time_s:8.1f} s  {event.label:<10} {text}".replace("\n", "\n" + indent)
+    if colour:
+        line = f"\033[{_COLOURS[event.kind]}m{line}\033[0m"
+    if belief:
+        belief = f"{indent}    {belief}"
+        line += "\n" + (f"\033[2m{belief}\033[0m" if colour else belief)
+    return line
 
 
 def write_events(events: List[Event], file: Path) -> None:

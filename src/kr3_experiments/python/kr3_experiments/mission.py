@@ -1,6 +1,5 @@
 """One mission seen from outside: sends the goal, and collects what the robot reports on the way."""
 import threading
-import time
 from collections import OrderedDict
 from typing import Callable, Dict, List, Optional, Tuple
 
@@ -29,6 +28,7 @@ from kr3_experiments.events import END_KINDS, Event, event_from_message
 from kr3_experiments.stack import Stack
 
 _KEPT_IMAGES = 40
+_CANCEL_S = 3.0  # wall time for a cancelled mission to end
 
 
 class EventFollower:
@@ -172,7 +172,8 @@ def achieve(
 
     @throws StackError  the executive does not answer, loses the goal, or the wall time ran out
     """
-    client = actionlib.SimpleActionClient("executive/achieve", AchieveAction)
+    # Not the simple client: it drops transitions that come before it has stored its handle.
+    client = actionlib.ActionClient("executive/achieve", AchieveAction)
     connected = threading.Event()
     # Its own timeout is in simulated time, which may stand still.
     threading.Thread(
@@ -181,23 +182,27 @@ def achieve(
     if not stack.spin_until(connected.is_set, 15.0):
         raise StackError("executive/achieve does not answer")
     finished = threading.Event()
-    client.send_goal(
-        AchieveGoal(goal=goal, time_limit=rospy.Duration.from_sec(simulated_limit_s)),
-        done_cb=lambda _state, _result: finished.set(),
-    )
+
+    def on_transition(goal_handle: actionlib.ClientGoalHandle) -> None:
+        if goal_handle.get_comm_state() == actionlib.CommState.DONE:
+            finished.set()
+
+    message = AchieveGoal(goal=goal, time_limit=rospy.Duration.from_sec(simulated_limit_s))
+    handle = client.send_goal(message, on_transition)
     try:
         in_time = stack.spin_until(finished.is_set, wall_limit_s)
     except BaseException:
-        client.cancel_goal()
-        time.sleep(0.3)  # let the message out before the process ends
+        handle.cancel()
+        finished.wait(_CANCEL_S)
         raise
     if not in_time:
-        client.cancel_goal()
+        handle.cancel()
+        finished.wait(_CANCEL_S)
         raise StackError(f"the mission did not end within {wall_limit_s:.0f} s of wall time")
-    result = client.get_result()
+    result = handle.get_result()
     if result is None:
-        state = GoalStatus.to_string(client.get_state())
+        state = GoalStatus.to_string(handle.get_terminal_state())
         raise StackError(
-            f"the executive gave no result (goal {state}: {client.get_goal_status_text()})"
+            f"the executive gave no result (goal {state}: {handle.get_goal_status_text()})"
         )
     return result

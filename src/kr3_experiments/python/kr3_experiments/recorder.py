@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, List, Optional
 
+import rospy
 import yaml
 
 from kr3_experiments.errors import Kr3Error
@@ -94,7 +95,8 @@ def start_recording(stack: Stack, profile: Profile, bag: Path, timeout_s: float 
     """@throws Kr3Error  too little disk space, or the recording did not start"""
     require_space(bag.parent, profile.min_free_mb)
     command = ["rosrun", "rosbag", "record", "--lz4", "--buffsize=128", "-O", str(bag)]
-    command += [f"--min-space={profile.stop_below_mb}M", "__name:=kr3_recorder", *profile.topics]
+    command += [f"--min-space={profile.stop_below_mb}M", "__name:=kr3_recorder"]
+    command += [rospy.resolve_name(topic) for topic in profile.topics]
     recorder = Recorder(stack.start_unwatched("recorder", command), bag)
     deadline = time.monotonic() + timeout_s
     while not recorder.is_recording():

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle as Patch
 
 from kr3_experiments.domain import Rectangle
-from kr3_experiments.events import Event, EventKind
+from kr3_experiments.events import Event, EventKind, split_text
 
 _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #1d2733; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
@@ -199,7 +199,8 @@ def _plan_table(events: Sequence[Event]) -> str:
             if rows:
                 rows[-1][3] = str(low_level)
             low_level = 0
-            rows.append([f"{event.time_s:.1f}", str(event.hl_step), event.text, ""])
+            action = str(event.data.get("action", event.text))
+            rows.append([f"{event.time_s:.1f}", str(event.hl_step), action, ""])
         elif event.kind is EventKind.LL_ACTION:
             low_level += 1
     if not rows:
@@ -214,9 +215,14 @@ def _plan_table(events: Sequence[Event]) -> str:
 
 
 def _history_table(events: Sequence[Event]) -> str:
-    rows = "".join(
-        f"<tr class='{_ROW_CLASSES.get(event.kind, '')}'><td class='number'>{event.time_s:.1f}</td>"
-        f"<td>{event.label or 'low level'}</td><td><pre>{html.escape(event.text)}</pre></td></tr>"
-        for event in events
-    )
+    rows = ""
+    for event in events:
+        text, belief = split_text(event)
+        shown = f"<pre>{html.escape(text)}</pre>"
+        if belief:
+            shown += f"<pre class='muted'>{html.escape(belief)}</pre>"
+        rows += (
+            f"<tr class='{_ROW_CLASSES.get(event.kind, '')}'><td class='number'>{event.time_s:.1f}</td>"
+            f"<td>{event.label or 'low level'}</td><td>{shown}</td></tr>"
+        )
     return f"<table><tr><th>time, s</th><th></th><th></th></tr>{rows}</table>"
