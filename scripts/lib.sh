@@ -38,21 +38,28 @@ require_workspace() {
 }
 
 # run_logged TITLE LOG COMMAND...: the output goes to LOG; the terminal gets one line that counts the seconds and, where
-# the command prints one, shows its percentage. The end of the log is shown when the command fails.
+# the command prints one, shows its percentage. The end of the log is shown when the command fails. The command runs in a
+# process group of its own, which is ended when this shell is asked to end, however that is.
 run_logged() {
-  local title=$1 log=$2 started=$SECONDS ticker status=0
+  local title=$1 log=$2 started=$SECONDS ticker command status=0
   shift 2
   mkdir -p "$(dirname "$log")"
   : > "$log"
   say "$title (log: ${log#"$root"/})"
   tick "$log" &
   ticker=$!
+  set -m
+  "$@" > "$log" 2>&1 < /dev/null &
+  command=$!
+  set +m
   # shellcheck disable=SC2064
-  trap "kill $ticker 2> /dev/null || true" EXIT
-  "$@" > "$log" 2>&1 < /dev/null || status=$?
+  trap "stop_logged $command $ticker 130" INT
+  # shellcheck disable=SC2064
+  trap "stop_logged $command $ticker 143" TERM HUP
+  wait "$command" || status=$?
+  trap - INT TERM HUP
   kill "$ticker" 2> /dev/null || true
   wait "$ticker" 2> /dev/null || true
-  trap - EXIT
   [ ! -t 1 ] || printf '\r\033[K'
   if [ "$status" -ne 0 ]; then
     {
@@ -63,6 +70,21 @@ run_logged() {
     return "$status"
   fi
   say "  done in $((SECONDS - started)) s"
+}
+
+# stop_logged COMMAND TICKER CODE: end the command's group, the hard way when it does not obey, and exit with CODE.
+stop_logged() {
+  local patience=50
+  trap '' INT TERM HUP
+  kill "$2" 2> /dev/null || true
+  kill -TERM -- "-$1" 2> /dev/null || true
+  while kill -0 -- "-$1" 2> /dev/null; do
+    patience=$((patience - 1))
+    [ "$patience" -gt 0 ] || kill -KILL -- "-$1" 2> /dev/null || true
+    sleep 0.1
+  done
+  printf '\nkr3: interrupted\n' >&2
+  exit "$3"
 }
 
 # The ticker of run_logged: rewrites one line on a terminal, prints a line every 30 s elsewhere.

@@ -8,11 +8,6 @@ source "$root/scripts/lib.sh"
 
 needed_gb=6
 
-if [ "${1:-}" = --help ]; then
-  say "Usage: ./kr3 setup: installs the packages of third_party/debian-packages.txt that are missing, and clingo."
-  exit 0
-fi
-
 check_system() {
   local id="" version=""
   if [ -r /etc/os-release ]; then
@@ -37,7 +32,7 @@ install_packages() {
   if [ "$(id -u)" -ne 0 ]; then
     command -v sudo > /dev/null || fail "these packages are missing, and neither root nor sudo is at hand: $*
   as root: apt-get install --no-install-recommends $*"
-    as_root=(sudo)
+    as_root=(sudo -n)
     sudo -v || fail "sudo was refused; as root: apt-get install --no-install-recommends $*"
   fi
   local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3)
@@ -49,18 +44,28 @@ install_packages() {
     fail "apt-get could not install the packages (see the log above)"
 }
 
-check_system
-mapfile -t missing < <(missing_packages)
-prefix=$(clingo_prefix)
-if [ "${#missing[@]}" -eq 0 ] && [ -f "$prefix/.complete" ]; then
-  exit 0
-fi
+set_up() {
+  local missing=() prefix
+  check_system
+  mapfile -t missing < <(missing_packages)
+  prefix=$(clingo_prefix)
+  if [ "${#missing[@]}" -eq 0 ] && [ -f "$prefix/.complete" ]; then
+    return
+  fi
+  check_disk
+  if [ "${#missing[@]}" -gt 0 ]; then
+    install_packages "${missing[@]}"
+  fi
+  if [ ! -f "$prefix/.complete" ]; then
+    run_logged "Building clingo $(clingo_version), once" "$logs/clingo.log" "$root/scripts/build_clingo.sh" "$prefix" ||
+      fail "clingo could not be built: is PyPI within reach? (see the log above)"
+  fi
+}
 
-check_disk
-if [ "${#missing[@]}" -gt 0 ]; then
-  install_packages "${missing[@]}"
-fi
-if [ ! -f "$prefix/.complete" ]; then
-  run_logged "Building clingo $(clingo_version), once" "$logs/clingo.log" "$root/scripts/build_clingo.sh" "$prefix" ||
-    fail "clingo could not be built: is PyPI within reach? (see the log above)"
+if [ "${BASH_SOURCE[0]}" = "$0" ]; then
+  case "${1:-}" in
+    "") set_up && say "everything is installed" ;;
+    --help) say "Usage: ./kr3 setup: install what third_party/debian-packages.txt names and is missing, and clingo" ;;
+    *) fail "setup: unknown option '$1'" ;;
+  esac
 fi

@@ -3,35 +3,39 @@
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-# shellcheck source=scripts/lib.sh
-source "$root/scripts/lib.sh"
+# shellcheck source=scripts/build.sh
+source "$root/scripts/build.sh"
 
-if [ "${1:-}" = --help ]; then
-  say "Usage: ./kr3 test [--quick]: set-up, build, all tests; --quick leaves the whole missions of tests/ out."
-  exit 0
-fi
+case "${1:-}" in
+  "") ;;
+  --quick) export KR3_QUICK_TESTS=1 ;;
+  --help)
+    say "Usage: ./kr3 test [--quick]: set-up, build, all tests; --quick leaves the whole missions of tests/ out"
+    exit 0
+    ;;
+  *) fail "test: unknown option '$1'" ;;
+esac
 
-"$root/scripts/build.sh"
+build_workspace
 enter_workspace
 results="$workspace/build/test_results"
 rm -rf "$results"
 mkdir -p "$results"
+
 cd "$workspace"
-
+export CCACHE_BASEDIR="$root" CCACHE_NOHASHDIR=1
 run_logged "Building the tests" "$logs/build-tests.log" catkin_make tests -j"${KR3_JOBS:-2}" || fail "the tests do not build"
-
-target=run_tests
-if [ "${1:-}" = --quick ]; then
-  export KR3_QUICK_TESTS=1
-fi
 status=0
 # One test at a time: several simulators side by side would only test the scheduler.
-run_logged "Running catkin's tests" "$logs/run-tests.log" catkin_make "$target" -j1 || status=$?
+run_logged "Running catkin's tests" "$logs/run-tests.log" catkin_make run_tests -j1 || status=$?
+catkin_test_results "$results" > "$logs/test-results.log" 2>&1 || status=$?
 
 cd "$root"
 python_tests=(tests/repository)
 for folder in src/*/test; do
-  compgen -G "$folder/test_*.py" > /dev/null && python_tests+=("$folder")
+  if compgen -G "$folder/test_*.py" > /dev/null; then
+    python_tests+=("$folder")
+  fi
 done
 run_logged "Running Python's tests" "$logs/pytest.log" /usr/bin/python3 -m pytest -q -p no:cacheprovider \
   --junitxml="$results/python/pytest.xml" "${python_tests[@]}" || status=$?

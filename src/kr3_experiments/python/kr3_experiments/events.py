@@ -100,7 +100,7 @@ def split_text(event: Event) -> Tuple[str, str]:
 
 
 def terminal_line(event: Event, colour: bool) -> str:
-    """The event as it scrolls by: simulated time, kind, text; the belief after a low-level action on a line of its own."""
+    """The event as it scrolls by; the belief after a low-level action is on a line of its own."""
     indent = " " * 22
     text, belief = split_text(event)
     if event.kind is EventKind.LL_ACTION:

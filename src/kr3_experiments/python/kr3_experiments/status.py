@@ -80,7 +80,7 @@ def mission_lines(state: Optional[MissionState]) -> List[str]:
         lines.append(f"plan      {marker} {', '.join(step.actions)}")
     if state.plan.hypothesis:
         lines.append(f"assuming    {', '.join(state.plan.hypothesis)}")
-    if state.ll_action:
+    if state.ll_action and state.state == MissionState.ACTIVE:
         lines.append(f"doing       {state.ll_action}")
     lines += [f"exception   {text}" for text in state.exceptions]
     if state.goal:
