@@ -29,7 +29,10 @@ catkin_build() {
 
 if [ "${BASH_SOURCE[0]}" = "$0" ]; then
   case "${1:-}" in
-    "" | --force) build_workspace "$@" && say "the workspace is built" ;;
+    "" | --force)
+      build_workspace "$@"
+      say "the workspace is built"
+      ;;
     --help) say "Usage: ./kr3 build [--force]: set-up, then catkin_make; --force: also when nothing changed" ;;
     *) fail "build: unknown option '$1'" ;;
   esac

@@ -64,7 +64,10 @@ set_up() {
 
 if [ "${BASH_SOURCE[0]}" = "$0" ]; then
   case "${1:-}" in
-    "") set_up && say "everything is installed" ;;
+    "")
+      set_up
+      say "everything is installed"
+      ;;
     --help) say "Usage: ./kr3 setup: install what third_party/debian-packages.txt names and is missing, and clingo" ;;
     *) fail "setup: unknown option '$1'" ;;
   esac
