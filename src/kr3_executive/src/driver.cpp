@@ -260,7 +260,8 @@ Support MissionDriver::findSupport(const std::string& literal, int step)
       for (const auto& value : domain_.highLevel().findSort(*fluent->value_sort)->elements)
         open += reasoner_.possible(parts.fluent() + " = " + value, step) ? 1 : 0;
     }
-    return {1.0 / static_cast<double>(std::max<std::size_t>(open, 2)), "assumed"};
+    const double share = 1.0 / static_cast<double>(std::max<std::size_t>(open, 2));
+    return {std::max(share, config_.least_hypothesis_probability), "assumed"};
   }
   // What was observed last needs no search for reasons.
   const LiteralText asked = takeApart(literal);
@@ -303,7 +304,7 @@ Event MissionDriver::performPolicy(const RequestPolicy& request)
     const auto knowledge = initialKnowledge(domain_, zoom, knowledge_.memory,
                                             [this](const std::string& l) { return supportOf(l); });
     task_ = std::make_unique<LowLevelTask>(
-        domain_, refinement::generatePomdp(domain_, models_, zoom, knowledge));
+        domain_, refinement::generatePomdp(domain_, models_, zoom, knowledge), knowledge);
   }
   catch (const FailedPrecondition& e)
   {

@@ -150,11 +150,14 @@ refinement::InitialKnowledge initialKnowledge(const refinement::LowLevelDomain& 
   return knowledge;
 }
 
-LowLevelTask::LowLevelTask(const refinement::LowLevelDomain& domain, refinement::PomdpTask pomdp)
+LowLevelTask::LowLevelTask(const refinement::LowLevelDomain& domain, refinement::PomdpTask pomdp,
+                           const refinement::InitialKnowledge& knowledge)
   : domain_(domain)
   , pomdp_(std::move(pomdp))
   , belief_(pomdp_.model().initialBelief())
   , symbol_(symbolOf(pomdp_.zoom().action))
+  , remembered_(std::any_of(knowledge.fine.begin(), knowledge.fine.end(),
+                            [](const auto& known) { return known.second.count(kElsewhere) != 0; }))
 {
 }
 
@@ -212,6 +215,7 @@ Assessment LowLevelTask::assess() const
 {
   Assessment assessment;
   assessment.achieved = pomdp_.successProbability(belief_);
+  assessment.remembered = remembered_;
   assessment.attempted = attempted_;
   for (const auto& effect : pomdp_.zoom().effects)
     assessment.effects.push_back(reasoner::toString(effect));

@@ -9,6 +9,8 @@ namespace kr3::executive
 namespace
 {
 
+constexpr double kMoreLikelyThanNot = 0.5;
+
 std::string attemptKey(const std::string& action, const std::vector<std::string>& hypothesis)
 {
   std::string key = action;
@@ -82,17 +84,26 @@ Transition startAction(State state)
   return {std::move(state), RequestPolicy{std::move(action), false}};
 }
 
+/// Belief that counts as knowledge. A policy that gave up below the threshold, and has nothing
+/// better to do when it is asked again, will never get there: then the belief that its looking left
+/// counts, if it says more than a coin, with its own confidence.
+double thresholdFor(const State& state)
+{
+  const bool nothing_new = state.ll_actions_here == 0 && state.assessment.remembered;
+  return nothing_new ? kMoreLikelyThanNot : state.limits.threshold;
+}
+
 /// Line 16: the action is over, completed or not achievable.
 Transition endAction(State state)
 {
   const std::string action = state.currentAction();
-  const ActionResult result = resultOf(state.assessment, state.limits.threshold);
+  const double threshold = thresholdFor(state);
+  const ActionResult result = resultOf(state.assessment, threshold);
   state.last_result = result;
   ++state.hl_actions_done;
   if (result != ActionResult::kAchieved)
     ++state.failures[attemptKey(action, state.plan->plan.hypothesis)];
-  AddRecords decision{
-      recordsOf(action, state.step, result, state.assessment, state.limits.threshold)};
+  AddRecords decision{recordsOf(action, state.step, result, state.assessment, threshold)};
   state.phase = Phase::kRecording;
   return {std::move(state), std::move(decision)};
 }

@@ -182,6 +182,38 @@ TEST(Mission, KeepsAPlanThatIsStillValidAfterASurprise)
   EXPECT_EQ(mission.expect<RequestPolicy>(plans).action, "grasp(rob1, book)");
 }
 
+TEST(Mission, APolicyThatGivesUpTwiceSettlesForTheBeliefItHasWithItsConfidence)
+{
+  Mission mission;
+  mission.start();
+  mission.expect<ExecutePolicyAction>(ActionExecuted{"a", believing(0.0, 0.8, false)});
+  EXPECT_TRUE(
+      mission.expect<AddRecords>(PolicyFinished{believing(0.0, 0.84, false)}).records.empty());
+  mission.expect<RequestPlan>(RecordsAdded{0, false});
+  mission.expect<RequestPolicy>(planReady());
+  Assessment again = believing(0.0, 0.84, false);
+  again.remembered = true;
+  mission.expect<ExecutePolicyAction>(PolicyReady{again});
+  const auto records = mission.expect<AddRecords>(PolicyFinished{again}).records;
+  ASSERT_EQ(records.size(), 1U);
+  EXPECT_FALSE(records[0].value);
+  EXPECT_NEAR(records[0].confidence, 0.84, 1e-12);
+}
+
+TEST(Mission, WithoutEverLookingNothingIsRefuted)
+{
+  Mission mission;
+  mission.start();
+  for (int i = 0; i < 2; ++i)
+  {
+    EXPECT_TRUE(
+        mission.expect<AddRecords>(PolicyFinished{believing(0.0, 0.8, false)}).records.empty());
+    mission.expect<RequestPlan>(RecordsAdded{0, false});
+    mission.expect<RequestPolicy>(planReady());
+    mission.expect<ExecutePolicyAction>(PolicyReady{believing(0.0, 0.8, false)});
+  }
+}
+
 TEST(Mission, DoesNotRepeatAPlanForEver)
 {
   Mission mission;

@@ -59,8 +59,10 @@ using SupportOf = std::function<Support(const std::string& literal)>;
 class LowLevelTask
 {
 public:
-  /// @param domain  must outlive the task
-  LowLevelTask(const refinement::LowLevelDomain& domain, refinement::PomdpTask pomdp);
+  /// @param domain     must outlive the task
+  /// @param knowledge  from which the task's initial belief was made
+  LowLevelTask(const refinement::LowLevelDomain& domain, refinement::PomdpTask pomdp,
+               const refinement::InitialKnowledge& knowledge);
 
   [[nodiscard]] const refinement::PomdpTask& pomdp() const { return pomdp_; }
   [[nodiscard]] const pomdp::Belief& belief() const { return belief_; }
@@ -91,6 +93,7 @@ private:
   refinement::PomdpTask pomdp_;
   pomdp::Belief belief_;
   std::string symbol_;  // of the high-level action
+  bool remembered_ = false;
   bool attempted_ = false;
   std::map<std::string, std::string> observed_;
 };

@@ -64,7 +64,8 @@ struct Assessment
   double achieved = 0.0;                ///< probability that all its effects hold
   std::vector<std::string> effects;     ///< literals that hold after it and did not before
   std::vector<Refutation> refutations;  ///< for each assumption that the belief can refute
-  bool attempted = false;               ///< the physical action itself was executed
+  bool remembered = false;  ///< the initial belief rested on earlier low-level observations
+  bool attempted = false;   ///< the physical action itself was executed
   std::vector<std::string> changed;     ///< observed literals that neither hold before nor after
   std::optional<std::string> happened;  ///< high-level action that `changed` shows to have occurred
 };

@@ -103,6 +103,10 @@ ExecutiveNodeConfig loadExecutiveNodeConfig(const ros::NodeHandle& private_nh)
   by_default = params.get("default_probability", by_default);
   params.check(by_default > 0.0 && by_default < 1.0, "default_probability", "must be in (0, 1)");
 
+  double& least = config.driver.least_hypothesis_probability;
+  least = params.get("least_hypothesis_probability", least);
+  params.check(least > 0.0 && least < 1.0, "least_hypothesis_probability", "must be in (0, 1)");
+
   SolveBudget& budget = config.driver.budget;
   budget.precision = params.get("precision", budget.precision);
   params.check(budget.precision > 0.0, "precision", "must be positive");

@@ -1,0 +1,99 @@
+#include "kr3_executive/bindings.hpp"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <kr3_common/error.hpp>
+
+namespace kr3::executive
+{
+namespace
+{
+
+reasoner::Description description()
+{
+  return reasoner::parseDescription(
+      "sorts\n"
+      "  spot = {s1, s2}.\n"
+      "  robot = {rob1}.\n"
+      "  thing = {cup}.\n"
+      "fluents\n"
+      "  inertial at(robot) : spot.\n"
+      "  inertial seen(thing).\n"
+      "actions\n"
+      "  go(robot, spot).\n"
+      "  look(robot, thing).\n"
+      "axioms\n"
+      "  go(R, S) causes at(R) = S.\n"
+      "  look(R, T) causes seen(T).\n"
+      "observations\n"
+      "  go(R, S) observes at(R).\n"
+      "  look(R, T) observes seen(T).\n",
+      "test.kr3");
+}
+
+const std::string kGood =
+    "actions:\n"
+    "  - {action: 'go(R, S)', server: drive, skill: go, arguments: [S], outcomes: {ok: []}}\n"
+    "  - {action: 'look(R, T)', server: eye, skill: look, arguments: [T, '${at(R)}', \"'slow'\"],\n"
+    "     outcomes: {yes: ['true'], no: ['false']}}\n";
+
+std::string problemOf(const std::string& text)
+{
+  try
+  {
+    static_cast<void>(Bindings::parse(text, "bindings.yaml", description()));
+  }
+  catch (const InvalidArgument& e)
+  {
+    return e.what();
+  }
+  return {};
+}
+
+TEST(Bindings, FillInParametersFluentsAndTexts)
+{
+  const auto bindings = Bindings::parse(kGood, "bindings.yaml", description());
+  const LowLevelAction look{"look(rob1,cup)", "look", {"rob1", "cup"}};
+  const auto call = bindings.call(
+      look, [](const std::string& fluent) { return fluent == "at(rob1)" ? "s2" : ""; });
+  EXPECT_EQ(call.server, "eye");
+  EXPECT_EQ(call.arguments, (std::vector<std::string>{"cup", "s2", "slow"}));
+  EXPECT_THROW(
+      static_cast<void>(bindings.call(look, [](const std::string&) { return std::string(); })),
+      FailedPrecondition);
+}
+
+TEST(Bindings, ATruthComesFromTheOutcomeAndAValueFromTheSkill)
+{
+  const auto bindings = Bindings::parse(kGood, "bindings.yaml", description());
+  const LowLevelAction look{"look(rob1,cup)", "look", {"rob1", "cup"}};
+  const LowLevelAction go{"go(rob1,s1)", "go", {"rob1", "s1"}};
+  EXPECT_EQ(bindings.observation(look, "no", {}), std::vector<std::string>{"false"});
+  EXPECT_EQ(bindings.observation(go, "ok", {"s2"}), std::vector<std::string>{"s2"});
+  EXPECT_THROW(static_cast<void>(bindings.observation(go, "ok", {})), InvalidArgument);
+  EXPECT_THROW(static_cast<void>(bindings.observation(look, "maybe", {})), InvalidArgument);
+}
+
+TEST(Bindings, NamesEveryProblemWithItsLine)
+{
+  const std::string problem = problemOf(
+      "actions:\n"
+      "  - {action: 'look(R, T)', server: eye, skill: look, arguments: [X],\n"
+      "     outcomes: {yes: ['perhaps']}}\n"
+      "  - {action: 'jump(R)', server: legs, skill: jump, outcomes: {ok: []}}\n");
+  EXPECT_NE(problem.find("bindings.yaml:2: argument 'X'"), std::string::npos) << problem;
+  EXPECT_NE(problem.find("bindings.yaml:3: 'perhaps'"), std::string::npos) << problem;
+  EXPECT_NE(problem.find("bindings.yaml:4: 'jump'"), std::string::npos) << problem;
+  EXPECT_NE(problem.find("action 'go' has no binding"), std::string::npos) << problem;
+}
+
+TEST(Bindings, RejectsUnknownKeysAndBadYaml)
+{
+  EXPECT_NE(problemOf("actions: []\nphrase: {}\n").find("unknown key 'phrase'"), std::string::npos);
+  EXPECT_NE(problemOf("actions: [").find("bindings.yaml:"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kr3::executive
