@@ -65,7 +65,9 @@ def book(name, cover, title, subtitle, style, font) -> np.ndarray:
     cv2.rectangle(image, (36, 36), (476, 190), (236, 242, 245), -1)
     text(image, title, (52, 52, 408, 66), font, (25, 25, 25), 4)
     text(image, subtitle, (52, 136, 408, 40), font, (60, 40, 120), 3)
-    text(image, f"{int(rng.integers(2, 9))}th edition", (150, 452, 210, 26), font, (245, 245, 245), 2)
+    text(
+        image, f"{int(rng.integers(2, 9))}th edition", (150, 452, 210, 26), font, (245, 245, 245), 2
+    )
     return image
 
 
@@ -103,7 +105,9 @@ def vessel(name, glaze, ink, words, style) -> np.ndarray:
 def wood(name, base, contrast) -> np.ndarray:
     rng = generator(name)
     y, x = np.mgrid[0:256, 0:256] * (2 * np.pi / 256)
-    grain = np.sin(14 * y + 1.5 * np.sin(x) + 0.8 * np.sin(3 * x)) + 0.5 * np.sin(29 * y + np.sin(2 * x))
+    grain = np.sin(14 * y + 1.5 * np.sin(x) + 0.8 * np.sin(3 * x)) + 0.5 * np.sin(
+        29 * y + np.sin(2 * x)
+    )
     noise = cv2.GaussianBlur(rng.normal(0, 1, (256, 256)), (9, 1), 0)
     return np.array(base) + contrast * (grain + noise)[..., None] * np.array([0.8, 0.9, 1.0])
 
@@ -141,7 +145,9 @@ def pictures() -> dict:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("directory", nargs="?", type=pathlib.Path, default=pathlib.Path(__file__).parent)
+    parser.add_argument(
+        "directory", nargs="?", type=pathlib.Path, default=pathlib.Path(__file__).parent
+    )
     directory = parser.parse_args().directory
     for name, image in pictures().items():
         path = directory / f"{name}.png"

@@ -103,9 +103,7 @@ class ScriptedRobot:
 
     def _grasp(self, _server, arguments, result):
         with self.lock:
-            self.held = self.held or (
-                arguments == ["tb1", self.robot] and self.book == self.robot
-            )
+            self.held = self.held or (arguments == ["tb1", self.robot] and self.book == self.robot)
             result.outcome = "succeeded" if self.held else "failed"
         return True
 

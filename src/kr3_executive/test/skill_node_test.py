@@ -14,7 +14,15 @@ import rospy
 import rostest
 import tf2_ros
 from geometry_msgs.msg import TransformStamped, Twist
-from kr3_msgs.msg import Cell, CellArray, Detection, DetectionArray, ExecuteSkillAction, ExecuteSkillGoal, Status
+from kr3_msgs.msg import (
+    Cell,
+    CellArray,
+    Detection,
+    DetectionArray,
+    ExecuteSkillAction,
+    ExecuteSkillGoal,
+    Status,
+)
 from kr3_msgs.srv import CloseGripper, CloseGripperResponse, OpenGripper, OpenGripperResponse
 from move_base_msgs.msg import MoveBaseAction, MoveBaseResult
 from nav_msgs.msg import OccupancyGrid, Odometry
@@ -49,7 +57,9 @@ class FakeWorld:
         self.detections = rospy.Publisher("detections", DetectionArray, queue_size=1)
         self.info = rospy.Publisher("camera/camera_info", CameraInfo, queue_size=1, latch=True)
         focal = 320.0 / math.tan(VIEW_RAD / 2.0)
-        self.info.publish(CameraInfo(width=640, height=480, K=[focal, 0, 320, 0, focal, 240, 0, 0, 1]))
+        self.info.publish(
+            CameraInfo(width=640, height=480, K=[focal, 0, 320, 0, focal, 240, 0, 0, 1])
+        )
         self.holding = rospy.Publisher("gripper/holding", Bool, queue_size=1, latch=True)
         self.holding.publish(Bool(False))
         self.cells = rospy.Publisher("cells", CellArray, queue_size=1, latch=True)
@@ -66,7 +76,9 @@ class FakeWorld:
         rospy.Subscriber("cmd_vel", Twist, self.on_command)
         rospy.Service("gripper/close", CloseGripper, self.on_close)
         rospy.Service("gripper/open", OpenGripper, self.on_open)
-        self.driver = actionlib.SimpleActionServer("move_base", MoveBaseAction, self.on_goal, auto_start=False)
+        self.driver = actionlib.SimpleActionServer(
+            "move_base", MoveBaseAction, self.on_goal, auto_start=False
+        )
         self.driver.start()
         self.timer = rospy.Timer(rospy.Duration(1.0 / RATE_HZ), self.step)
 
@@ -109,7 +121,11 @@ class FakeWorld:
 
     def transform(self, parent, child, x, y, z, rotation):
         message = TransformStamped()
-        message.header.stamp, message.header.frame_id, message.child_frame_id = self.now, parent, child
+        message.header.stamp, message.header.frame_id, message.child_frame_id = (
+            self.now,
+            parent,
+            child,
+        )
         t = message.transform
         t.translation.x, t.translation.y, t.translation.z = x, y, z
         t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w = rotation
@@ -136,7 +152,9 @@ class FakeWorld:
             odom.pose.pose.orientation.z, odom.pose.pose.orientation.w = sine, cosine
             odom.twist.twist.linear.x, odom.twist.twist.angular.z = self.speed, self.turn
             self.odom.publish(odom)
-            scan = LaserScan(angle_min=-math.pi, angle_max=math.pi, angle_increment=math.pi / 180, range_max=12.0)
+            scan = LaserScan(
+                angle_min=-math.pi, angle_max=math.pi, angle_increment=math.pi / 180, range_max=12.0
+            )
             scan.header.frame_id, scan.header.stamp = "laser", self.now
             scan.ranges = [math.inf] * 361
             self.scan.publish(scan)
@@ -150,7 +168,9 @@ class FakeWorld:
         if isinstance(self.cup, tuple):
             distance, bearing = self.cup_from_robot()
             if abs(bearing) < VIEW_RAD / 2.0:
-                found = Detection(name="cup", class_name="kitchenware", probability=0.95, has_position=True)
+                found = Detection(
+                    name="cup", class_name="kitchenware", probability=0.95, has_position=True
+                )
                 found.position.x = -distance * math.sin(bearing)
                 found.position.y = 0.5  # on the floor: below the laser
                 found.position.z = distance * math.cos(bearing)
@@ -194,7 +214,9 @@ class SkillNodeTest(unittest.TestCase):
     def run_skill(self, skill, arguments, time_limit=0.0):
         client = self.clients[skill]
         client.send_goal(
-            ExecuteSkillGoal(skill=skill, arguments=arguments, time_limit=rospy.Duration.from_sec(time_limit))
+            ExecuteSkillGoal(
+                skill=skill, arguments=arguments, time_limit=rospy.Duration.from_sec(time_limit)
+            )
         )
         self.assertTrue(client.wait_for_result(rospy.Duration(DEADLINE_S)), f"{skill} does not end")
         return client.get_result()
@@ -266,7 +288,9 @@ class SkillNodeTest(unittest.TestCase):
             ("hand_over", [], Status.INVALID_ARGUMENT),
         ):
             result = self.run_skill(skill, arguments)
-            self.assertEqual(result.status.code, code, f"{skill} {arguments}: {result.status.message}")
+            self.assertEqual(
+                result.status.code, code, f"{skill} {arguments}: {result.status.message}"
+            )
             self.assertNotEqual(result.status.message, "")
         self.assert_ok(self.run_skill("search", ["hall_west", "cup"]), "found")
 

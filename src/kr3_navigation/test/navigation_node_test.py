@@ -184,7 +184,13 @@ class NavigationNodeTest(unittest.TestCase):
         return "right_c3" if self.robot.x < 4.0 else "left_c2"
 
     def start_and_fail(self, *parameters):
-        command = ["rosrun", "kr3_navigation", "navigation_node", "__name:=navigation_bad", *parameters]
+        command = [
+            "rosrun",
+            "kr3_navigation",
+            "navigation_node",
+            "__name:=navigation_bad",
+            *parameters,
+        ]
         done = subprocess.run(command, capture_output=True, text=True, timeout=ANSWER, check=False)
         for parameter in parameters:
             rospy.delete_param("/navigation_bad/" + parameter[1:].split(":=")[0])

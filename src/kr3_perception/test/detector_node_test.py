@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Contract of detector_node: starts, detects, survives bad images, sleeps when nobody listens, refuses bad parameters."""
+"""Contract of detector_node: it starts, detects, survives bad images and sleeps when nobody listens."""
 import pathlib
 import signal
 import subprocess
@@ -22,13 +22,17 @@ FOCAL = 457.0
 def picture_of(texture: str) -> numpy.ndarray:
     """The texture as a flat front of 84 x 112 px before a plain wall."""
     image = numpy.full((480, 640, 3), (205, 215, 220), numpy.uint8)
-    front = cv2.resize(cv2.imread(str(OFFICE / "textures" / texture)), (84, 112), interpolation=cv2.INTER_AREA)
+    front = cv2.resize(
+        cv2.imread(str(OFFICE / "textures" / texture)), (84, 112), interpolation=cv2.INTER_AREA
+    )
     image[180:292, 300:384] = front
     return image
 
 
 def image_message(pixels: numpy.ndarray, stamp: float) -> Image:
-    message = Image(height=pixels.shape[0], width=pixels.shape[1], encoding="bgr8", step=pixels.shape[1] * 3)
+    message = Image(
+        height=pixels.shape[0], width=pixels.shape[1], encoding="bgr8", step=pixels.shape[1] * 3
+    )
     message.header.frame_id = "camera_optical_frame"
     message.header.stamp = rospy.Time.from_sec(stamp)
     message.data = pixels.tobytes()
@@ -65,13 +69,18 @@ class DetectorNodeTest(unittest.TestCase):
 
     def listen(self) -> rospy.Subscriber:
         subscriber = rospy.Subscriber("detections", DetectionArray, self.received.append)
-        self.assertTrue(wait_until(lambda: self.images.get_num_connections() > 0), "the node does not ask for images")
+        self.assertTrue(
+            wait_until(lambda: self.images.get_num_connections() > 0),
+            "the node does not ask for images",
+        )
         return subscriber
 
     def answer_to(self, message: Image) -> DetectionArray:
         self.images.publish(message)
         stamp = message.header.stamp
-        self.assertTrue(wait_until(lambda: any(m.header.stamp == stamp for m in self.received)), "no detections")
+        self.assertTrue(
+            wait_until(lambda: any(m.header.stamp == stamp for m in self.received)), "no detections"
+        )
         return next(m for m in self.received if m.header.stamp == stamp)
 
     def test_detects_survives_and_stops(self):
@@ -83,10 +92,14 @@ class DetectorNodeTest(unittest.TestCase):
         self.assertEqual(found.class_name, "textbook")
         self.assertGreater(found.probability, 0.5)
         self.assertTrue(found.has_position)
-        self.assertAlmostEqual(found.position.z, FOCAL * 0.28 / 112, delta=0.1)  # metres: height 0.28 m over 112 px
+        self.assertAlmostEqual(
+            found.position.z, FOCAL * 0.28 / 112, delta=0.1
+        )  # metres: height 0.28 m over 112 px
         self.assertAlmostEqual(found.region.x_offset, 300, delta=4)
 
-        empty = self.answer_to(image_message(numpy.full((480, 640, 3), (205, 215, 220), numpy.uint8), 2.0))
+        empty = self.answer_to(
+            image_message(numpy.full((480, 640, 3), (205, 215, 220), numpy.uint8), 2.0)
+        )
         self.assertEqual(empty.detections, [])
 
         broken = image_message(picture_of("tb1.png"), 3.0)
@@ -99,7 +112,9 @@ class DetectorNodeTest(unittest.TestCase):
         self.assertEqual([d.name for d in again.detections], ["tb2"])
 
         subscriber.unregister()
-        self.assertTrue(wait_until(lambda: self.images.get_num_connections() == 0), "still asks for images")
+        self.assertTrue(
+            wait_until(lambda: self.images.get_num_connections() == 0), "still asks for images"
+        )
         self.node.send_signal(signal.SIGINT)
         self.assertEqual(self.node.wait(DEADLINE_S), 0)
 

@@ -88,7 +88,9 @@ class PolicyNodeTest(unittest.TestCase):
 
     def test_preemption_returns_the_policy_so_far(self):
         feedback = []
-        self.client.send_goal(SolveGoal(format="pomdp", model=maze(40), precision=1e-9), feedback_cb=feedback.append)
+        self.client.send_goal(
+            SolveGoal(format="pomdp", model=maze(40), precision=1e-9), feedback_cb=feedback.append
+        )
         deadline = rospy.Time.now() + rospy.Duration(20)
         while len(feedback) < 3 and rospy.Time.now() < deadline:
             self.client.wait_for_result(rospy.Duration(0.05))

@@ -10,7 +10,14 @@ import rospy
 import rostest
 from geometry_msgs.msg import Twist
 from kr3_msgs.msg import ModelStates, SimulationState, Status
-from kr3_msgs.srv import CloseGripper, DeleteModel, OpenGripper, SetModelPose, SpawnModel, StepSimulation
+from kr3_msgs.srv import (
+    CloseGripper,
+    DeleteModel,
+    OpenGripper,
+    SetModelPose,
+    SpawnModel,
+    StepSimulation,
+)
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, LaserScan
@@ -80,7 +87,9 @@ class SimNodeTest(unittest.TestCase):
     def set_pose(self, name, x, y, z, yaw=0.0):
         request = SetModelPose._request_class(name=name)
         request.pose.position.x, request.pose.position.y, request.pose.position.z = x, y, z
-        request.pose.orientation.z, request.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+        request.pose.orientation.z, request.pose.orientation.w = math.sin(yaw / 2), math.cos(
+            yaw / 2
+        )
         return self.call("simulation/set_model_pose", SetModelPose, request)
 
     def drive(self, command, duration):
@@ -93,7 +102,9 @@ class SimNodeTest(unittest.TestCase):
         publisher.unregister()
 
     def test_publishes_what_the_conventions_say(self):
-        self.assertEqual(rospy.wait_for_message("scan", LaserScan, TIMEOUT).header.frame_id, "laser")
+        self.assertEqual(
+            rospy.wait_for_message("scan", LaserScan, TIMEOUT).header.frame_id, "laser"
+        )
         odometry = rospy.wait_for_message("odom", Odometry, TIMEOUT)
         self.assertEqual((odometry.header.frame_id, odometry.child_frame_id), ("odom", "base_link"))
         info = rospy.wait_for_message("camera/camera_info", CameraInfo, TIMEOUT)
@@ -132,12 +143,16 @@ class SimNodeTest(unittest.TestCase):
         self.set_pose("robot", 2.0, 1.1, 0.0, -math.pi / 2)
         reply = self.call("gripper/close", CloseGripper)
         self.assertTrue(reply.holding)
-        wait_until(lambda: self.models.messages[-1].held == "book", "ground truth tells what is held")
+        wait_until(
+            lambda: self.models.messages[-1].held == "book", "ground truth tells what is held"
+        )
         self.assertTrue(rospy.wait_for_message("gripper/holding", Bool, TIMEOUT).data)
         again = self.call("gripper/close", CloseGripper)
         self.assertEqual(again.status.code, Status.FAILED_PRECONDITION)
         self.assertTrue(self.call("gripper/open", OpenGripper).released)
-        wait_until(lambda: self.models.messages[-1].held == "", "ground truth tells that nothing is held")
+        wait_until(
+            lambda: self.models.messages[-1].held == "", "ground truth tells that nothing is held"
+        )
 
     def test_pauses_steps_and_resumes(self):
         refused = self.call("simulation/step", StepSimulation, 10)
@@ -164,21 +179,27 @@ class SimNodeTest(unittest.TestCase):
         before = self.models.messages[-1]
         self.set_pose("cup", 5.0, 1.0, 0.06)
         self.call("simulation/reset", Trigger)
-        wait_until(lambda: self.models.messages[-1].models == before.models, "objects back in place")
+        wait_until(
+            lambda: self.models.messages[-1].models == before.models, "objects back in place"
+        )
         self.call("simulation/resume", Trigger)
 
     def test_spawns_and_deletes(self):
         request = SpawnModel._request_class(name="crate1", model="crate")
         request.pose.position.x, request.pose.position.y, request.pose.position.z = 6.0, 1.0, 0.2
         request.pose.orientation.w = 1.0
-        self.assertEqual(self.call("simulation/spawn_model", SpawnModel, request).status.code, Status.OK)
+        self.assertEqual(
+            self.call("simulation/spawn_model", SpawnModel, request).status.code, Status.OK
+        )
         taken = self.call("simulation/spawn_model", SpawnModel, request)
         self.assertEqual(taken.status.code, Status.INVALID_ARGUMENT)
         request.name, request.model = "sofa1", "sofa"
         unknown = self.call("simulation/spawn_model", SpawnModel, request)
         self.assertEqual(unknown.status.code, Status.NOT_FOUND)
         self.assertIn("crate", unknown.status.message)
-        self.assertEqual(self.call("simulation/delete_model", DeleteModel, "crate1").status.code, Status.OK)
+        self.assertEqual(
+            self.call("simulation/delete_model", DeleteModel, "crate1").status.code, Status.OK
+        )
         gone = self.call("simulation/delete_model", DeleteModel, "crate1")
         self.assertEqual(gone.status.code, Status.NOT_FOUND)
         self.assertEqual(self.set_pose("nothing", 1.0, 1.0, 1.0).status.code, Status.NOT_FOUND)
@@ -195,7 +216,9 @@ class BadStartTest(unittest.TestCase):
             self.assertIn(message, output)
 
     def test_refuses_an_unknown_place_in_placements(self):
-        self.expect_refusal("bad_place", "unknown place 'attic'", "left, right", placements=["book=attic"])
+        self.expect_refusal(
+            "bad_place", "unknown place 'attic'", "left, right", placements=["book=attic"]
+        )
 
     def test_refuses_an_unknown_object_in_placements(self):
         self.expect_refusal("bad_object", "unknown object 'sofa'", "book", placements=["sofa=left"])
