@@ -30,9 +30,10 @@ struct DriverConfig
   SolveBudget budget;
   /// Belief that an object is where only a default puts it, in (0, 1).
   double default_probability = 0.85;
-  /// A hypothesis among k has probability 1/k, but at least this: a policy that starts with less
-  /// would rather give up than look, and looking is what the plan is for. In (0, 1).
-  double least_hypothesis_probability = 0.3;
+  /// A hypothesis among k has probability 1/k, but at least this. With less a policy would rather
+  /// give up than look, or would pass the threshold with parts of the place never looked at, the
+  /// same ones each time. In (0, 1).
+  double least_hypothesis_probability = 0.6;
   /// A low-level action that could not be executed is tried again this often.
   std::uint32_t max_skill_retries = 2;
   /// Whether snapshots explain what is entailed about the goal's objects; costs some questions.
