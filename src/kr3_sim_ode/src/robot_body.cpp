@@ -11,6 +11,9 @@ namespace
 constexpr double kWheelMass = 0.5;      // kg
 constexpr double kCasterRadius = 0.04;  // m
 constexpr double kCasterX = 0.17;       // m, before and behind the axle
+// Casters hang a little above the floor, as sprung ones do: otherwise they, not the wheels, may
+// carry the weight, and the wheels slip.
+constexpr double kCasterClearance = 0.002;  // m
 
 double approached(double from, double to, double max_change)
 {
@@ -40,7 +43,7 @@ RobotBody::RobotBody(Physics& physics, const RobotModel& model, const Pose2& sta
     caster.reset(dCreateSphere(physics.robotSpace(), kCasterRadius));
     dGeomSetBody(caster.get(), base_.get());
     dGeomSetOffsetPosition(caster.get(), side * kCasterX, 0.0,
-                           kCasterRadius - model.base_center_z_m);
+                           kCasterRadius + kCasterClearance - model.base_center_z_m);
     dGeomSetCategoryBits(caster.get(), kCasterGeom);
 
     // Spheres as wheels: one contact point each, so that turning in place does not scrub.

@@ -236,6 +236,29 @@ TEST_F(WorldTest, CarriesWhatItHoldsOutOfTheLasersSight)
   EXPECT_GT(book.position.z, 0.8);
 }
 
+TEST_F(WorldTest, WheelsKeepTheirGripUnderALoad)
+{
+  scenario.world.odometry = {0.0, 0.0, 0.0};
+  const auto world = makeWorld(scenario);
+  world->setObjectPose("book", at(2.0, 0.45, 0.545));
+  world->setRobotPose({2.0, 1.1, -M_PI / 2.0});
+  ASSERT_TRUE(world->closeGripper());
+  world->setRobotPose({2.0, 2.0, M_PI});
+  const double start = yawOf(world->robotPose().orientation) - world->odometryPose().yaw;
+  for (int i = 0; i < 3; ++i)
+  {
+    world->setCommand(0.0, -1.2);
+    run(*world, 1.2);
+    world->setCommand(0.5, -0.3);  // speeds up while it still turns
+    run(*world, 0.6);
+    world->setCommand(-0.5, 0.0);
+    run(*world, 0.6);
+  }
+  ASSERT_EQ(world->robotContacts(), 0U) << "the way was meant to be free";
+  const double end = yawOf(world->robotPose().orientation) - world->odometryPose().yaw;
+  EXPECT_NEAR(wrapped(end - start), 0.0, 0.05);
+}
+
 TEST_F(WorldTest, PutsDownOnTheFurnitureInFrontElseOnTheFloor)
 {
   const auto world = makeWorld(scenario);
