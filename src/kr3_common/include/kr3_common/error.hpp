@@ -24,7 +24,8 @@ enum class ErrorCode : std::uint8_t
 /// "INVALID_ARGUMENT" for ErrorCode::kInvalidArgument, and so on.
 [[nodiscard]] const char* toString(ErrorCode code);
 
-/// The place in our code that raised an error. As a default argument `current()` is the caller's place.
+/// The place in our code that raised an error. As a default argument `current()` is the caller's
+/// place.
 struct SourceLocation
 {
   const char* file = "";

@@ -97,7 +97,8 @@ void ParamReader::finish() const
     const std::string name = full.substr(prefix.size());
     // roscpp itself keeps its logger settings there; a nested name belongs to its first part.
     if (known_.count(name) == 0 && known_.count(name.substr(0, name.find('/'))) == 0)
-      problems.push_back("~" + name + " is unknown (misspelt, or left on the master by an earlier run?)");
+      problems.push_back("~" + name +
+                         " is unknown (misspelt, or left on the master by an earlier run?)");
   }
   if (problems.empty())
     return;

@@ -7,7 +7,10 @@ namespace kr3
 namespace
 {
 
-constexpr bool same(ErrorCode code, int constant) { return static_cast<int>(code) == constant; }
+constexpr bool same(ErrorCode code, int constant)
+{
+  return static_cast<int>(code) == constant;
+}
 
 static_assert(same(ErrorCode::kOk, kr3_msgs::Status::OK));
 static_assert(same(ErrorCode::kInvalidArgument, kr3_msgs::Status::INVALID_ARGUMENT));
@@ -29,7 +32,10 @@ kr3_msgs::Status makeStatus(ErrorCode code, const std::string& message)
   return status;
 }
 
-kr3_msgs::Status okStatus() { return makeStatus(ErrorCode::kOk, ""); }
+kr3_msgs::Status okStatus()
+{
+  return makeStatus(ErrorCode::kOk, "");
+}
 
 kr3_msgs::Status statusFromCurrentException()
 {

@@ -151,4 +151,4 @@ InitialKnowledge knowledgeOf(const Options& options, const Zoom& zoom)
   return knowledge;
 }
 
-}  // namespace kr3::tools
+}  // namespace kr3::refinement::tools
