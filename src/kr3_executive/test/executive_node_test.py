@@ -9,6 +9,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import unittest
 
@@ -151,7 +152,8 @@ def stop_node(process):
 class ExecutiveNodeTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.state_file = f"/tmp/executive_node_test_{os.getpid()}.json"
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.state_file = os.path.join(cls.folder.name, "state.json")
         cls.robot = ScriptedRobot()
         cls.node = start_node(state_file=cls.state_file, max_backups=500)
         cls.drain = threading.Thread(target=cls._collect, args=(cls.node,), daemon=True)
@@ -171,8 +173,7 @@ class ExecutiveNodeTest(unittest.TestCase):
         if cls.node.poll() is None:
             os.killpg(cls.node.pid, signal.SIGINT)
             cls.node.wait(timeout=30)
-        if os.path.exists(cls.state_file):
-            os.remove(cls.state_file)
+        cls.folder.cleanup()
 
     def achieve(self, goal, timeout=120):
         self.client.send_goal(AchieveGoal(goal=goal))

@@ -34,8 +34,7 @@ void callService(ros::ServiceClient& client, Service& service)
   {
     if (!ros::ok() || ros::WallTime::now() > deadline)
       throw Unavailable("service '" + client.getService() + "' does not answer");
-    client.waitForExistence(ros::Duration(0.2));
-    ros::WallDuration(0.05).sleep();  // with a stopped clock the call above may return at once
+    ros::WallDuration(0.05).sleep();  // waitForExistence uses simulated time, which may stand
   }
   throwIfFailed(service.response.status, client.getService());
 }
