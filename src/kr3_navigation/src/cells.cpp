@@ -3,9 +3,9 @@
 #include <cmath>
 #include <deque>
 #include <limits>
-#include <numeric>
 
 #include <kr3_common/error.hpp>
+#include <kr3_common/nearest_name.hpp>
 
 namespace kr3::navigation
 {
@@ -20,25 +20,6 @@ bool touchByEdge(const Rectangle& a, const Rectangle& b)
   const double x = std::min(a.x_max, b.x_max) - std::max(a.x_min, b.x_min);
   const double y = std::min(a.y_max, b.y_max) - std::max(a.y_min, b.y_min);
   return (std::abs(x) <= kTouch && y > kTouch) || (std::abs(y) <= kTouch && x > kTouch);
-}
-
-/// Levenshtein's distance.
-std::size_t editDistance(const std::string& a, const std::string& b)
-{
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i)
-  {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j)
-    {
-      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-    }
-  }
-  return row.back();
 }
 
 /// For every free node the cell it belongs to: the one whose rectangle holds it, else the one from
@@ -253,12 +234,13 @@ std::optional<std::size_t> CellMap::find(const std::string& name) const
 
 const std::string& CellMap::nearestName(const std::string& name) const
 {
-  return std::min_element(
-             cells_.begin(), cells_.end(),
-             [&](const Cell& a, const Cell& b) {
-    return editDistance(a.name, name) < editDistance(b.name, name);
-             })
-      ->name;
+  std::vector<std::string> names;
+  for (const Cell& cell : cells_)
+  {
+    names.push_back(cell.name);
+  }
+  const std::string* nearest = kr3::nearestName(name, names);
+  return cells_.at(static_cast<std::size_t>(nearest - names.data())).name;
 }
 
 std::size_t CellMap::cellAt(Point p) const
