@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -62,28 +63,80 @@ struct Diagnosis
   std::vector<std::string> conflict;  ///< when inconsistent: a minimal set of conflicting records
 };
 
-/// A shortest plan under a hypothesis: values, at the current step, of fluents that the history
-/// leaves open and on which the plan depends.
+/// A plan under a hypothesis: values, at the current step, of fluents that the history leaves open
+/// and on which the plan depends. In every model with a minimal explanation that agrees with the
+/// hypothesis each step can be executed and the goal is reached.
 struct Plan
 {
   std::vector<std::string> hypothesis;  ///< literals, empty when nothing is assumed
   std::vector<std::vector<std::string>>
-      steps;  ///< ground actions that occur together, one entry a step
+      steps;          ///< ground actions that occur together, sorted, one entry a step
+  double cost = 0.0;  ///< sum over its actions of their costs (1 where the description names none);
+                      ///< where a cost depends on the state, the largest under the hypothesis
+};
+
+/// Which plans are wanted, for each hypothesis.
+enum class PlanPreference : std::uint8_t
+{
+  kShortest = 0,          ///< fewest steps, then fewest actions
+  kCheapestShortest = 1,  ///< fewest steps, then the least cost, then fewest actions
+  kCheapest = 2,  ///< the least cost up to the longest horizon, then fewest steps and actions
 };
 
 struct PlanOptions
 {
-  int max_horizon = 12;
-  std::chrono::milliseconds time_limit{10000};
+  int max_horizon = 12;  ///< longest plan that is tried, in steps, at least 1
+  std::chrono::milliseconds time_limit{10000};  ///< wall time
   std::function<void(int)> on_horizon;  ///< called with each horizon before it is tried, if set
+  PlanPreference preference = PlanPreference::kShortest;
+  bool all = false;     ///< all the plans that are equally good, for each hypothesis
+  int max_plans = 100;  ///< with `all`: at most so many for a hypothesis, at least 1
+
+  /// Plan on the part of the description and the history that can matter to the goal. The answer is
+  /// the same; without it all of the description is used.
+  bool relevant_only = true;
+  double extra_share = 0.0;  ///< this share of the constants that do not matter is kept all the
+                             ///< same, in [0, 1] (for experiments)
+};
+
+/// The size of a description with its history.
+struct ProblemSize
+{
+  std::size_t fluents = 0;    ///< ground, statics left out
+  std::size_t constants = 0;  ///< elements of sorts
+  std::size_t actions = 0;    ///< ground, exogenous ones left out
+  std::size_t records = 0;
 };
 
 struct PlanResult
 {
   bool goal_entailed = false;  ///< nothing to do
-  std::vector<Plan> plans;     ///< one a hypothesis; empty when there is none
+  std::vector<Plan> plans;     ///< one a hypothesis (more with PlanOptions::all, then those of one
+                               ///< hypothesis follow each other, sorted); empty when there is none
+  bool complete = true;        ///< false when PlanOptions::max_plans left plans out
   std::string reason;          ///< when there is no plan: why
   double cpu_s = 0.0;
+  ProblemSize considered;  ///< what was planned with
+  ProblemSize whole;       ///< of how much
+  int widened = 0;         ///< how often the relevant part was too small and was computed anew
+};
+
+/// A constant, fluent or action that can matter to a goal, and why.
+struct RelevantItem
+{
+  std::string name;
+  std::vector<std::string> why;  ///< from the goal to the item, a sentence a step
+};
+
+/// The part of a description and its history that can matter to a goal (DESIGN.md 3.3).
+struct RelevantPart
+{
+  std::vector<RelevantItem> constants;
+  std::vector<RelevantItem> fluents;  ///< ground; a plan depends on no others
+  std::vector<RelevantItem> actions;  ///< ground; an argument that may be anything relevant is `_`
+  std::vector<Record> records;        ///< about relevant fluents and actions
+  ProblemSize considered;
+  ProblemSize whole;
 };
 
 /// Why a literal is entailed (DESIGN.md 3.2 point 10).
@@ -147,10 +200,15 @@ public:
 
   [[nodiscard]] Explanation explain(const std::string& literal, int step) const;
 
-  /// Shortest plans from the current step, one per hypothesis (DESIGN.md 3.2 point 8).
+  /// Plans from the current step, for each hypothesis (DESIGN.md 3.2 point 8).
   /// @param cancel  may be set from another thread; the call then throws Cancelled
+  /// @throws InvalidArgument  the goal does not fit the description, or an option is out of range;
+  ///                          DeadlineExceeded  the time limit passed; Cancelled
   [[nodiscard]] PlanResult plan(const std::string& goal, const PlanOptions& options = {},
                                 const std::atomic<bool>* cancel = nullptr) const;
+
+  /// What can matter to a goal, and why (DESIGN.md 3.3 "Relevance").
+  [[nodiscard]] RelevantPart relevant(const std::string& goal) const;
 
   /// The ASP program that `entails`, `diagnose` and `plan` solve, with comments that point to
   /// source lines.
