@@ -348,10 +348,12 @@ std::string Encoding::executabilityRules(const Executability& rule) const
     }
   }
   const std::string conditions = guards.text() + body(rule.body, "t-1") + ".\n";
-  const auto* only = rule.actions.size() == 1 ? std::get_if<Atom>(&rule.actions[0]) : nullptr;
-  if (only != nullptr)
+  if (rule.actions.size() == 1)
   {
-    return comment(rule.position) + "imp(" + term(*only) + ",t-1) :- #true" + conditions;
+    const auto* atom = std::get_if<Atom>(&rule.actions[0]);
+    const std::string only = atom != nullptr ? term(*atom) : std::get<Term>(rule.actions[0]).name;
+    return comment(rule.position) + "imp(" + only + ",t-1) :- " +
+           (atom != nullptr ? "#true" : "agent(" + only + ")") + conditions;
   }
   return comment(rule.position) + ":- #true" + occurrences + conditions;
 }

@@ -285,14 +285,17 @@ std::string HistoryProgram::recordRules(const std::vector<CheckedRecord>& record
       text += ":- " + holds + (positive ? ", not h(" : ", h(") + Encoding::term(literal.atom) +
               ",true," + step + ").\n";
     }
+    else if (fluent.kind == FluentKind::kStatic)
+    {
+      text += "said(" + number + ") :- " + encoding_.literal(literal, step) + ".\n:- " + holds +
+              ", not said(" + number + ").\n";
+    }
     else
     {
-      const std::string atom =
-          fluent.kind == FluentKind::kStatic ? "st(" + pair + ")" : "h(" + pair + "," + step + ")";
-      text += ":- " + holds + (literal.equal ? ", not " : ", ") + atom + ".\n";
+      text += ":- " + holds + (literal.equal ? ", not h(" : ", h(") + pair + "," + step + ").\n";
     }
   }
-  return text + "#defined rec/1.\n";
+  return text + "#defined rec/1. #defined said/1.\n";
 }
 
 void HistoryProgram::addTo(Solver& solver) const

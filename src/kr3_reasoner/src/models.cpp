@@ -34,6 +34,13 @@ std::optional<Price> minimalPrice(const HistoryProgram& program,
   return best;
 }
 
+// That an impossible attempt failed has no price: it follows, and explains nothing.
+const char* const kAssumedRules = R"(
+assumed(_X) :- ab(_X), weight(_X,_).
+assumed(_X) :- ab(_X), doubt(_X,_).
+#show assumed/1.
+)";
+
 Literal positive(const Literal& literal)
 {
   Literal equal = literal;
@@ -156,7 +163,7 @@ std::vector<std::vector<Clingo::Symbol>> explanationsOf(const HistoryProgram& pr
   }
   Solver solver({"0", "--project=project", "--warn=none"});
   program.addTo(solver);
-  solver.add("project", {}, "#project ab/1.\n");
+  solver.add("project", {}, std::string(kAssumedRules) + "#project assumed/1.\n");
   program.groundHistory(solver, records, current_step, optimum.assumable);
   solver.ground({{"project", {}}});
   HistoryProgram::groundBound(solver, optimum.price);
@@ -166,7 +173,7 @@ std::vector<std::vector<Clingo::Symbol>> explanationsOf(const HistoryProgram& pr
     std::vector<Clingo::Symbol> explanation;
     for (const Clingo::Symbol& symbol : model.symbols(Clingo::ShowType::Shown))
     {
-      if (symbol.match("ab", 1))
+      if (symbol.match("assumed", 1))
       {
         explanation.push_back(symbol.arguments()[0]);
       }
@@ -180,6 +187,37 @@ std::vector<std::vector<Clingo::Symbol>> explanationsOf(const HistoryProgram& pr
   }
   std::sort(explanations.begin(), explanations.end());
   return explanations;
+}
+
+std::vector<SymbolicModel> modelsOf(const HistoryProgram& program,
+                                    const std::vector<CheckedRecord>& records, int current_step,
+                                    const Optimum& optimum, std::size_t limit)
+{
+  Solver solver({std::to_string(limit), "--project=project", "--warn=none"});
+  program.addTo(solver);
+  solver.add("project", {}, std::string(kAssumedRules) + "#project assumed/1.\n#project h/3.\n");
+  program.groundHistory(solver, records, current_step, optimum.assumable);
+  solver.ground({{"project", {}}});
+  HistoryProgram::groundBound(solver, optimum.price);
+  std::vector<SymbolicModel> models;
+  for (const Clingo::Model& model : solver.control().solve())
+  {
+    SymbolicModel read;
+    for (const Clingo::Symbol& symbol : model.symbols(Clingo::ShowType::Shown))
+    {
+      if (symbol.match("assumed", 1))
+      {
+        read.assumed.push_back(symbol.arguments()[0]);
+      }
+      else if (symbol.match("h", 3))
+      {
+        read.holds.push_back(symbol);
+      }
+    }
+    std::sort(read.assumed.begin(), read.assumed.end());
+    models.push_back(std::move(read));
+  }
+  return models;
 }
 
 std::vector<std::string> firingDefaults(const HistoryProgram& program,

@@ -46,10 +46,24 @@ private:
   SymbolSet some_;
 };
 
-/// The minimal explanations, each a sorted list of the assumed `ab(X)` arguments X.
+/// The minimal explanations, each a sorted list of the X that are assumed at a price.
 [[nodiscard]] std::vector<std::vector<Clingo::Symbol>> explanationsOf(
     const HistoryProgram& program, const std::vector<CheckedRecord>& records, int current_step,
     const Optimum& optimum);
+
+/// One model: what it assumes, sorted, and its atoms `h(F, V, t)`.
+struct SymbolicModel
+{
+  std::vector<Clingo::Symbol> assumed;
+  std::vector<Clingo::Symbol> holds;
+};
+
+/// The models with minimal explanations, each once.
+/// @param limit  the largest number, 0 for all
+[[nodiscard]] std::vector<SymbolicModel> modelsOf(const HistoryProgram& program,
+                                                  const std::vector<CheckedRecord>& records,
+                                                  int current_step, const Optimum& optimum,
+                                                  std::size_t limit);
 
 /// The defaults, as `d1(tb1)`, that fire in every model with a minimal explanation and whose head
 /// is about a fluent.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -14,6 +15,23 @@
 
 namespace kr3::reasoner
 {
+
+namespace
+{
+
+Literal toLiteral(const GroundFluent& fluent, const std::string& value)
+{
+  Literal literal;
+  literal.atom.name = fluent.symbol;
+  for (const std::string& argument : fluent.arguments)
+  {
+    literal.atom.arguments.push_back({false, argument});
+  }
+  literal.value.name = value;
+  return literal;
+}
+
+}  // namespace
 
 class Reasoner::Impl
 {
@@ -205,18 +223,50 @@ bool Reasoner::possible(const std::string& literal, int step) const
   return impl_->consequences(step).inSome(parseGroundLiteral(literal, impl_->description_), step);
 }
 
+std::vector<HistoryModel> Reasoner::models(std::size_t limit) const
+{
+  const int last = impl_->currentStep();
+  static_cast<void>(impl_->consequences(last));  // refuses an inconsistent history
+  const std::vector<GroundFluent> fluents = groundFluents(impl_->description_);
+  std::unordered_map<std::string, std::size_t> index;
+  for (std::size_t i = 0; i < fluents.size(); ++i)
+  {
+    index.emplace(fluents[i].name, i);
+  }
+  const Words words(impl_->description_, impl_->records_);
+  std::vector<HistoryModel> models;
+  for (const SymbolicModel& symbolic :
+       modelsOf(impl_->program_, impl_->records_, last, *impl_->optimum(), limit))
+  {
+    HistoryModel model;
+    for (const Clingo::Symbol& assumed : symbolic.assumed)
+    {
+      model.assumed.push_back(words.statement(assumed));
+    }
+    std::vector<Literal> state;
+    for (const GroundFluent& fluent : fluents)
+    {
+      state.push_back(toLiteral(fluent, "false"));  // what no definition makes true
+    }
+    model.states.assign(static_cast<std::size_t>(last) + 1, state);
+    for (const Clingo::Symbol& holds : symbolic.holds)
+    {
+      const auto arguments = holds.arguments();
+      model.states[static_cast<std::size_t>(arguments[2].number())][index.at(toText(arguments[0]))]
+          .value.name = toText(arguments[1]);
+    }
+    models.push_back(std::move(model));
+  }
+  return models;
+}
+
 std::vector<Literal> Reasoner::entailedAt(int step) const
 {
   const Consequences& consequences = impl_->consequences(step);
   std::vector<Literal> entailed;
   for (const GroundFluent& fluent : groundFluents(impl_->description_))
   {
-    Literal literal;
-    literal.atom.name = fluent.symbol;
-    for (const std::string& argument : fluent.arguments)
-    {
-      literal.atom.arguments.push_back({false, argument});
-    }
+    Literal literal = toLiteral(fluent, "");
     std::vector<Literal> excluded;
     bool settled = false;
     for (const std::string& value : fluent.values)
@@ -247,12 +297,7 @@ std::vector<std::string> Reasoner::possibleValues(const std::string& fluent, int
   const Consequences& consequences = impl_->consequences(step);
   for (const GroundFluent& ground : groundFluents(impl_->description_))
   {
-    Literal literal;
-    literal.atom.name = ground.symbol;
-    for (const std::string& argument : ground.arguments)
-    {
-      literal.atom.arguments.push_back({false, argument});
-    }
+    Literal literal = toLiteral(ground, "");
     // spaces do not matter
     if (Encoding::term(literal.atom) != withoutSpaces(fluent))
     {

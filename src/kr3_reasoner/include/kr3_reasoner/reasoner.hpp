@@ -147,6 +147,14 @@ struct Explanation
   std::vector<std::string> records;  ///< the records it rests on
 };
 
+/// One model of a history (paper, Definition 2): a path of states with a minimal explanation.
+struct HistoryModel
+{
+  std::vector<std::string> assumed;  ///< as in Diagnosis::explanations
+  std::vector<std::vector<Literal>>
+      states;  ///< at each step `f = v` for every fluent, in the order of declaration
+};
+
 /// What a diagnosis may assume, and at what price.
 struct ReasonerOptions
 {
@@ -190,6 +198,10 @@ public:
   [[nodiscard]] Diagnosis diagnose() const;
   [[nodiscard]] Answer entails(const std::string& literal, int step) const;
   [[nodiscard]] bool possible(const std::string& literal, int step) const;
+
+  /// The models of the history, each once. @param limit  the largest number of models, 0 for all
+  /// @throws FailedPrecondition  the history is inconsistent
+  [[nodiscard]] std::vector<HistoryModel> models(std::size_t limit = 1000) const;
 
   /// All literals `f = v` (and `f != v` where no value of f is entailed) that are entailed at a
   /// step.
