@@ -116,7 +116,8 @@ Explanation explained(const Description& description, const ReasonerOptions& opt
                                     " occurred at step " + at);
     }
   }
-  const Words words(description, support);
+  const Instances instances(description);
+  const Words words(description, options, instances, support);
   if (const auto small = findOptimum(program, support, current_step, options.diagnose_exogenous))
   {
     const auto explanations = explanationsOf(program, support, current_step, *small);

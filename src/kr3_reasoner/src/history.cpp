@@ -1,5 +1,7 @@
 #include "history.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <utility>
@@ -34,10 +36,12 @@ RecordKind kindOf(const std::string& word)
                              : RecordKind::kInitially;
 }
 
-/// The record of one statement of a history file; nothing when it is wrong, which is reported.
+/// The record of one statement of a history file; nothing when it is wrong,
+/// which is reported.
 std::optional<Record> recordOf(const Node& node, std::vector<Diagnostic>& problems)
 {
   Record record;
+  record.position = node.position;
   record.kind = kindOf(node.child(Rule::kRecordKind)->text);
   const bool is_action =
       record.kind == RecordKind::kHappened || record.kind == RecordKind::kAttempted;
@@ -100,6 +104,13 @@ std::string toString(const Record& record)
       break;
   }
   return record.confidence < 1.0 ? text + confidenceText(record.confidence) : text;
+}
+
+int doubtOf(const Record& record)
+{
+  constexpr double kScale = 100.0;
+  const double odds = record.confidence / (1.0 - record.confidence);
+  return static_cast<int>(std::max(1L, std::lround(kScale * std::log(odds))));
 }
 
 Literal normalized(Literal literal, const Description& description)

@@ -25,6 +25,9 @@ struct CheckedRecord
 /// @throws InvalidArgument  the statement does not fit the description, or a number is out of range
 [[nodiscard]] CheckedRecord checkRecord(const Record& record, const Description& description);
 
+/// 100 times the log-odds that an uncertain record is right, at least 1.
+[[nodiscard]] int doubtOf(const Record& record);
+
 /// The literal that is true exactly when `literal` is false.
 [[nodiscard]] Literal contrary(const Literal& literal, const Description& description);
 

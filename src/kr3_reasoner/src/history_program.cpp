@@ -243,7 +243,6 @@ std::string HistoryProgram::closure() const
 std::string HistoryProgram::recordRules(const std::vector<CheckedRecord>& records,
                                         const Assumable& assumable, bool switchable) const
 {
-  constexpr double kDoubtScale = 100.0;
   std::string text;
   for (std::size_t i = 0; i < records.size(); ++i)
   {
@@ -266,10 +265,8 @@ std::string HistoryProgram::recordRules(const std::vector<CheckedRecord>& record
     std::string holds = "rec(" + number + ")";
     if (assumable.retractions && checked.record.confidence < 1.0)
     {
-      const double odds = checked.record.confidence / (1.0 - checked.record.confidence);
-      const long doubt = std::max(1L, std::lround(kDoubtScale * std::log(odds)));
       text += "abducible(wrong(" + number + ")). doubt(wrong(" + number + ")," +
-              std::to_string(doubt) + ").\n";
+              std::to_string(doubtOf(checked.record)) + ").\n";
       holds += ", not ab(wrong(" + number + "))";
     }
     const Literal& literal = checked.literal;

@@ -11,6 +11,7 @@
 #include "ground_fluents.hpp"
 #include "models.hpp"
 #include "planner.hpp"
+#include "retraction.hpp"
 #include "words.hpp"
 
 namespace kr3::reasoner
@@ -18,6 +19,8 @@ namespace kr3::reasoner
 
 namespace
 {
+
+constexpr std::size_t kMaxRetractions = 8;
 
 Literal toLiteral(const GroundFluent& fluent, const std::string& value)
 {
@@ -40,6 +43,7 @@ public:
     : description_(std::move(description))
     , options_(std::move(options))
     , program_(description_, options_)
+    , instances_(description_)
   {
     bool prices = options_.exception_weight > 0 && options_.exogenous_weight > 0;
     for (const auto& [name, weight] : options_.default_weights)
@@ -54,7 +58,7 @@ public:
 
   [[nodiscard]] int currentStep() const
   {
-    int step = 0;
+    int step = least_step_;
     for (const CheckedRecord& checked : records_)
     {
       step = std::max(step, checked.record.step + (checked.isAction() ? 1 : 0));
@@ -85,7 +89,7 @@ public:
     return *optimum_;
   }
 
-  const Consequences& consequences(int step)
+  void checkStep(int step) const
   {
     if (step < 0 || step > currentStep())
     {
@@ -93,6 +97,11 @@ public:
                             ", expected one from 0 to the current step " +
                             std::to_string(currentStep()));
     }
+  }
+
+  const Consequences& consequences(int step)
+  {
+    checkStep(step);
     if (!consequences_)
     {
       if (!optimum())
@@ -105,31 +114,102 @@ public:
     return *consequences_;
   }
 
-  [[nodiscard]] std::vector<std::string> conflict() const
+  [[nodiscard]] std::string conflictText(const std::vector<std::size_t>& conflict) const
   {
     std::vector<std::string> texts;
-    for (const std::size_t i : minimalConflict(program_, records_, currentStep()))
+    for (const std::size_t i : conflict)
     {
-      texts.push_back(toString(records_[i].record));
+      texts.push_back(withPlace(records_[i].record));
     }
-    return texts;
+    return listed(texts);
   }
 
   [[nodiscard]] std::string conflictText() const
   {
-    std::string text;
-    for (const std::string& record : conflict())
+    return conflictText(minimalConflict(program_, records_, currentStep()));
+  }
+
+  /// @throws InvalidArgument  there is no such fluent
+  [[nodiscard]] GroundFluent groundFluent(const std::string& name) const
+  {
+    for (const GroundFluent& fluent : groundFluents(description_))
     {
-      text += (text.empty() ? "" : "; ") + record;
+      if (withoutSpaces(fluent.name) == withoutSpaces(name))
+      {
+        return fluent;
+      }
     }
-    return text;
+    throw InvalidArgument("unknown fluent '" + name +
+                          "', expected a ground fluent of the description");
+  }
+
+  [[nodiscard]] Words words() const { return {description_, options_, instances_, records_}; }
+
+  /// The history without some of its records.
+  [[nodiscard]] Reasoner without(const std::vector<std::size_t>& given_up) const
+  {
+    std::vector<Record> kept;
+    for (std::size_t i = 0; i < history_.size(); ++i)
+    {
+      if (std::find(given_up.begin(), given_up.end(), i) == given_up.end())
+      {
+        kept.push_back(history_[i]);
+      }
+    }
+    Reasoner reasoner(description_, options_);
+    reasoner.setHistory(std::move(kept));
+    reasoner.impl_->least_step_ = currentStep();
+    return reasoner;
+  }
+
+  /// What no record excludes, whatever has to be assumed.
+  [[nodiscard]] Consequences atAnyPrice()
+  {
+    constexpr int kAnyPrice = 1000000;
+    const bool exogenous = !optimum() || optimum()->assumable.exogenous;
+    return {description_, program_, records_, currentStep(), {{exogenous, false}, {0, kAnyPrice}}};
+  }
+
+  /// What has to be given up so that none of `excluded` holds at `step`.
+  std::vector<Retraction> retractions(
+      const std::vector<Literal>& excluded, int step, std::size_t max_sets,
+      const std::function<bool(const Reasoner&, Retraction&)>& accept)
+  {
+    const bool exogenous = !optimum() || optimum()->assumable.exogenous;
+    std::vector<Retraction> found;
+    retractionSets(description_, program_, records_, currentStep(), excluded, step, exogenous,
+                   max_sets,
+                   [&](const std::vector<std::size_t>& set) {
+      Retraction retraction;
+      retraction.records = set;
+      std::vector<std::string> texts;
+      for (const std::size_t i : set)
+      {
+        constexpr double kScale = 100.0;
+        retraction.log_odds += doubtOf(history_[i]) / kScale;
+        texts.push_back(withPlace(history_[i]));
+      }
+      if (!accept(without(set), retraction))
+      {
+        return false;
+      }
+      retraction.in_words =
+          (retraction.opens.empty() ? "the history is consistent"
+                                    : retraction.opens + " is possible") +
+          (set.empty() ? std::string(" as it is") : " without the record " + listed(texts));
+      found.push_back(std::move(retraction));
+      return true;
+    });
+    return found;
   }
 
   Description description_;
   ReasonerOptions options_;
   HistoryProgram program_;
+  Instances instances_;
   std::vector<CheckedRecord> records_;
   std::vector<Record> history_;
+  int least_step_ = 0;  ///< the current step, even if no record is about it
 
 private:
   std::unique_ptr<std::optional<Optimum>> optimum_;
@@ -186,23 +266,34 @@ Diagnosis Reasoner::diagnose() const
   diagnosis.consistent = optimum.has_value();
   if (!optimum)
   {
-    diagnosis.conflict = impl_->conflict();
+    diagnosis.conflict_records =
+        minimalConflict(impl_->program_, impl_->records_, impl_->currentStep());
+    for (const std::size_t i : diagnosis.conflict_records)
+    {
+      diagnosis.conflict.push_back(toString(impl_->history_[i]));
+    }
+    diagnosis.conflict_in_words =
+        "these records cannot all be right: " + impl_->conflictText(diagnosis.conflict_records);
     return diagnosis;
   }
   diagnosis.cost = optimum->price.assumptions + optimum->price.retractions;
-  const Words words(impl_->description_, impl_->records_);
+  const Words words = impl_->words();
   for (const auto& explanation :
        explanationsOf(impl_->program_, impl_->records_, impl_->currentStep(), *optimum))
   {
+    ExplanationAlternative alternative;
+    alternative.price = diagnosis.cost;
     std::vector<std::string> statements;
-    std::string in_words;
     for (const Clingo::Symbol& assumed : explanation)
     {
-      statements.push_back(words.statement(assumed));
-      in_words += (in_words.empty() ? "" : "; ") + words.sentence(assumed);
+      alternative.assumptions.push_back(words.assumption(assumed));
+      statements.push_back(alternative.assumptions.back().statement);
+      alternative.in_words +=
+          (alternative.in_words.empty() ? "" : "; ") + alternative.assumptions.back().sentence;
     }
     diagnosis.explanations.push_back(std::move(statements));
-    diagnosis.in_words.push_back(std::move(in_words));
+    diagnosis.in_words.push_back(alternative.in_words);
+    diagnosis.alternatives.push_back(std::move(alternative));
   }
   return diagnosis;
 }
@@ -233,7 +324,7 @@ std::vector<HistoryModel> Reasoner::models(std::size_t limit) const
   {
     index.emplace(fluents[i].name, i);
   }
-  const Words words(impl_->description_, impl_->records_);
+  const Words words = impl_->words();
   std::vector<HistoryModel> models;
   for (const SymbolicModel& symbolic :
        modelsOf(impl_->program_, impl_->records_, last, *impl_->optimum(), limit))
@@ -295,27 +386,16 @@ std::vector<Literal> Reasoner::entailedAt(int step) const
 std::vector<std::string> Reasoner::possibleValues(const std::string& fluent, int step) const
 {
   const Consequences& consequences = impl_->consequences(step);
-  for (const GroundFluent& ground : groundFluents(impl_->description_))
+  const GroundFluent ground = impl_->groundFluent(fluent);
+  std::vector<std::string> values;
+  for (const std::string& value : ground.values)
   {
-    Literal literal = toLiteral(ground, "");
-    // spaces do not matter
-    if (Encoding::term(literal.atom) != withoutSpaces(fluent))
+    if (consequences.inSome(toLiteral(ground, value), step))
     {
-      continue;
+      values.push_back(value);
     }
-    std::vector<std::string> values;
-    for (const std::string& value : ground.values)
-    {
-      literal.value.name = value;
-      if (consequences.inSome(literal, step))
-      {
-        values.push_back(value);
-      }
-    }
-    return values;
   }
-  throw InvalidArgument("unknown fluent '" + fluent +
-                        "', expected a ground fluent of the description");
+  return values;
 }
 
 Explanation Reasoner::explain(const std::string& literal, int step) const
@@ -328,6 +408,85 @@ Explanation Reasoner::explain(const std::string& literal, int step) const
   }
   return explained(impl_->description_, impl_->options_, impl_->program_, impl_->records_,
                    *impl_->optimum(), parsed, step);
+}
+
+Reasoner Reasoner::supposing(const std::vector<Record>& hypothetical) const
+{
+  std::vector<Record> records = impl_->history_;
+  records.insert(records.end(), hypothetical.begin(), hypothetical.end());
+  Reasoner reasoner(impl_->description_, impl_->options_);
+  reasoner.setHistory(std::move(records));
+  return reasoner;
+}
+
+std::vector<Retraction> Reasoner::retractions() const
+{
+  const std::optional<Optimum>& optimum = impl_->optimum();
+  if (optimum && optimum->price.retractions == 0)
+  {
+    return {};
+  }
+  return impl_->retractions({}, 0, kMaxRetractions, [](const Reasoner& reduced, Retraction&) {
+    const Diagnosis diagnosis = reduced.diagnose();
+    return diagnosis.consistent &&
+           std::all_of(diagnosis.alternatives.begin(), diagnosis.alternatives.end(),
+                       [](const ExplanationAlternative& alternative) {
+      return std::none_of(alternative.assumptions.begin(), alternative.assumptions.end(),
+                          [](const Assumption& assumption) {
+        return assumption.kind == AssumptionKind::kWrongRecord;
+      });
+           });
+  });
+}
+
+std::vector<Retraction> Reasoner::retractionsFor(const std::string& literal, int step) const
+{
+  const Literal wanted =
+      normalized(parseGroundLiteral(literal, impl_->description_), impl_->description_);
+  impl_->checkStep(step);
+  if ((impl_->optimum() && possible(literal, step)) || impl_->atAnyPrice().inSome(wanted, step))
+  {
+    return {};
+  }
+  return impl_->retractions({contrary(wanted, impl_->description_)}, step, kMaxRetractions,
+                            [&](const Reasoner& reduced, Retraction& retraction) {
+    retraction.opens = toString(wanted);
+    return reduced.impl_->optimum() && reduced.possible(literal, step);
+  });
+}
+
+Retraction Reasoner::leastCertainRefutation(const std::string& fluent) const
+{
+  const int now = impl_->currentStep();
+  const GroundFluent ground = impl_->groundFluent(fluent);
+  const Consequences any = impl_->atAnyPrice();
+  std::vector<Literal> possible_now;
+  for (const std::string& value : ground.values)
+  {
+    const Literal literal = toLiteral(ground, value);
+    if (any.inSome(literal, now))
+    {
+      possible_now.push_back(literal);
+    }
+  }
+  const auto found = impl_->retractions(possible_now, now, 1,
+                                        [&](const Reasoner& reduced, Retraction& retraction) {
+    if (!reduced.impl_->optimum())
+    {
+      return false;
+    }
+    for (const std::string& value : reduced.possibleValues(fluent, now))
+    {
+      const Literal literal = toLiteral(ground, value);
+      if (!any.inSome(literal, now))
+      {
+        retraction.opens = toString(literal);
+        return true;
+      }
+    }
+    return false;
+  });
+  return found.empty() ? Retraction{} : found.front();
 }
 
 PlanResult Reasoner::plan(const std::string& goal, const PlanOptions& options,

@@ -1,8 +1,6 @@
 #include "words.hpp"
 
 #include <algorithm>
-#include <map>
-#include <optional>
 #include <string_view>
 
 namespace kr3::reasoner
@@ -10,8 +8,6 @@ namespace kr3::reasoner
 
 namespace
 {
-
-using Binding = std::map<std::string, std::string>;
 
 Atom atomOf(const Clingo::Symbol& symbol)
 {
@@ -29,12 +25,6 @@ Atom atomOf(const Clingo::Symbol& symbol)
   return atom;
 }
 
-bool match(const Term& open, const std::string& constant, Binding& binding)
-{
-  return open.is_variable ? binding.emplace(open.name, constant).first->second == constant
-                          : open.name == constant;
-}
-
 bool is(const Clingo::Symbol& symbol, const char* name, std::size_t arity)
 {
   return symbol.type() == Clingo::SymbolType::Function && std::string_view(symbol.name()) == name &&
@@ -50,6 +40,27 @@ std::string withoutSpaces(const std::string& text)
                             [](char c) { return c == ' ' || c == '\t' || c == '\n'; }),
              kept.end());
   return kept;
+}
+
+std::string placeOf(const SourcePosition& position)
+{
+  return position.line == 0 ? "" : position.file + ":" + std::to_string(position.line);
+}
+
+std::string withPlace(const Record& record)
+{
+  const std::string place = placeOf(record.position);
+  return toString(record) + (place.empty() ? "" : " (" + place + ")");
+}
+
+std::string listed(const std::vector<std::string>& items)
+{
+  std::string text;
+  for (std::size_t i = 0; i < items.size(); ++i)
+  {
+    text += (i == 0 ? "" : i + 1 == items.size() ? " and " : ", ") + items[i];
+  }
+  return text;
 }
 
 std::string inThePast(const Literal& literal)
@@ -93,55 +104,51 @@ std::string Words::statement(const Clingo::Symbol& assumed) const
   return "wrong(" + toString(records_[index].record) + ")";
 }
 
-std::string Words::exceptedDefaults(const Clingo::Symbol& assumed) const
+std::vector<GroundDefault> Words::exceptedDefaults(const Clingo::Symbol& assumed) const
 {
   const Atom fluent = atomOf(assumed.arguments()[0]);
   const std::string value = toText(assumed.arguments()[1]);
-  std::string text;
+  std::vector<GroundDefault> excepted;
   for (const Default& rule : description_.defaults)
   {
     const Literal head = normalized(rule.head, description_);
-    Binding binding;
-    bool fits = head.atom.name == fluent.name && head.equal == is(assumed, "no", 2) &&
-                match(head.value, value, binding);
-    for (std::size_t i = 0; fits && i < fluent.arguments.size(); ++i)
+    Binding start;
+    const bool fits =
+        head.equal == is(assumed, "no", 2) && unify(head.atom, fluent, start) &&
+        (head.value.is_variable ? start.emplace(head.value.name, value).first->second == value
+                                : head.value.name == value);
+    if (fits)
     {
-      fits = match(head.atom.arguments[i], fluent.arguments[i].name, binding);
+      instances_.forEach({{}, {}, {&rule.head}, {&rule.body}}, start, [&](const Binding& binding) {
+        excepted.push_back({&rule, toString(bound(rule.name, binding)), bound(head, binding),
+                            instances_.literals(rule.body, binding)});
+      });
     }
-    for (const Condition& condition : rule.body)
-    {
-      const auto* membership = std::get_if<Membership>(&condition);
-      const auto bound =
-          membership == nullptr ? binding.end() : binding.find(membership->term.name);
-      if (bound != binding.end())
-      {
-        const auto& elements = description_.findSort(membership->sort)->elements;
-        const bool in =
-            std::find(elements.begin(), elements.end(), bound->second) != elements.end();
-        fits = fits && in != membership->negated;
-      }
-    }
-    if (!fits)
-    {
-      continue;
-    }
-    std::string who;
-    for (const Term& argument : rule.name.arguments)
-    {
-      const auto bound = argument.is_variable ? binding.find(argument.name) : binding.end();
-      who += (who.empty() ? "" : ", ") + (bound == binding.end() ? argument.name : bound->second);
-    }
-    text += (text.empty() ? "" : " and ") + (who.empty() ? "there" : who) +
-            " is an exception to default " + rule.name.name;
   }
-  return text;
+  return excepted;
 }
 
 std::string Words::sentence(const Clingo::Symbol& assumed) const
 {
   if (is(assumed, "no", 2) || is(assumed, "yes", 2))
   {
-    return exceptedDefaults(assumed) + ": initially " + inThePast(exception(assumed));
+    std::string text;
+    std::string last;
+    for (const GroundDefault& instance : exceptedDefaults(assumed))
+    {
+      const std::size_t open = instance.name.find('(');
+      const std::string rule = instance.name.substr(0, open);
+      const std::string who = open == std::string::npos
+                                  ? "there"
+                                  : instance.name.substr(open + 1, instance.name.size() - open - 2);
+      const std::string excepted = who + " is an exception to default " + rule;
+      if (excepted != last)  // instances may differ in variables that the name does not have
+      {
+        text += (text.empty() ? "" : " and ") + excepted;
+      }
+      last = excepted;
+    }
+    return text + ": initially " + inThePast(exception(assumed));
   }
   if (is(assumed, "exo", 2))
   {
@@ -154,7 +161,39 @@ std::string Words::sentence(const Clingo::Symbol& assumed) const
            toText(assumed.arguments()[1]) + " failed";
   }
   const auto index = static_cast<std::size_t>(assumed.arguments()[0].number());
-  return "the record " + toString(records_[index].record) + " is wrong";
+  return "the record " + withPlace(records_[index].record) + " is wrong";
+}
+
+Assumption Words::assumption(const Clingo::Symbol& assumed) const
+{
+  Assumption assumption;
+  assumption.statement = statement(assumed);
+  assumption.sentence = sentence(assumed);
+  if (is(assumed, "wrong", 1))
+  {
+    assumption.kind = AssumptionKind::kWrongRecord;
+    assumption.price =
+        doubtOf(records_[static_cast<std::size_t>(assumed.arguments()[0].number())].record);
+    return assumption;
+  }
+  if (is(assumed, "exo", 2) || is(assumed, "fail", 2))
+  {
+    assumption.kind = is(assumed, "exo", 2) ? AssumptionKind::kExogenous : AssumptionKind::kFailure;
+    assumption.price = options_.exogenous_weight;
+    return assumption;
+  }
+  for (const GroundDefault& instance : exceptedDefaults(assumed))
+  {
+    const auto weight = options_.default_weights.find(instance.rule->name.name);
+    const int price =
+        weight == options_.default_weights.end() ? options_.exception_weight : weight->second;
+    assumption.price = assumption.defaults.empty() ? price : std::min(assumption.price, price);
+    if (assumption.defaults.empty() || assumption.defaults.back() != instance.name)
+    {
+      assumption.defaults.push_back(instance.name);
+    }
+  }
+  return assumption;
 }
 
 }  // namespace kr3::reasoner

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "history.hpp"
+#include "instances.hpp"
 #include "solver.hpp"
 
 namespace kr3::reasoner
@@ -11,33 +12,60 @@ namespace kr3::reasoner
 
 [[nodiscard]] std::string withoutSpaces(const std::string& text);
 
-/// A literal as people read it: "tb1 was not in ..." is beyond us without knowing the domain, so:
-/// "loc(tb1) was not office".
+/// A literal as people read it: "tb1 was not in ..." is beyond us without
+/// knowing the domain, so: "loc(tb1) was not office".
 [[nodiscard]] std::string inThePast(const Literal& literal);
 
-/// Says what an assumption `ab(X)` means. Composed from the description's own names only.
+/// The record with the file and line where it stands, if it stands in one.
+[[nodiscard]] std::string withPlace(const Record& record);
+
+/// "domain.kr3:12", or nothing when the position is in no file.
+[[nodiscard]] std::string placeOf(const SourcePosition& position);
+
+/// Several items as people list them: "a", "a and b", "a, b and c".
+[[nodiscard]] std::string listed(const std::vector<std::string>& items);
+
+/// A ground instance of a default.
+struct GroundDefault
+{
+  const Default* rule = nullptr;
+  std::string name;  ///< "d1(tb1)"
+  Literal head;
+  std::vector<Literal> body;  ///< without what is static
+};
+
+/// Says what an assumption `ab(X)` means. Composed from the description's own
+/// names only.
 class Words
 {
 public:
-  /// Both must outlive this object.
-  Words(const Description& description, const std::vector<CheckedRecord>& records)
-    : description_(description), records_(records)
+  /// All must outlive this object.
+  Words(const Description& description, const ReasonerOptions& options, const Instances& instances,
+        const std::vector<CheckedRecord>& records)
+    : description_(description), options_(options), instances_(instances), records_(records)
   {
   }
+
+  /// The assumption with its price, without the records that call for it.
+  [[nodiscard]] Assumption assumption(const Clingo::Symbol& assumed) const;
 
   /// "init(loc(tb1) = main_library, false)", "exo_move(tb1, office) at 2".
   [[nodiscard]] std::string statement(const Clingo::Symbol& assumed) const;
 
-  /// "tb1 is an exception to default d1: initially loc(tb1) was not main_library".
+  /// "tb1 is an exception to default d1: initially loc(tb1) was not
+  /// main_library".
   [[nodiscard]] std::string sentence(const Clingo::Symbol& assumed) const;
 
   /// The literal that an exception makes true.
   [[nodiscard]] Literal exception(const Clingo::Symbol& assumed) const;
 
-private:
-  [[nodiscard]] std::string exceptedDefaults(const Clingo::Symbol& assumed) const;
+  /// The ground defaults to which an assumption is an exception.
+  [[nodiscard]] std::vector<GroundDefault> exceptedDefaults(const Clingo::Symbol& assumed) const;
 
+private:
   const Description& description_;
+  const ReasonerOptions& options_;
+  const Instances& instances_;
   const std::vector<CheckedRecord>& records_;
 };
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "kr3_reasoner/explanation.hpp"
 #include "kr3_reasoner/language.hpp"
 
 namespace kr3::reasoner
@@ -33,6 +34,7 @@ struct Record
   int step = 0;
   double confidence = 1.0;  ///< probability that the record is right, (0, 1]
   std::string source = "robot";
+  SourcePosition position = {};  ///< where it stands in a history file; line 0: in none
 };
 
 /// `obs(loc(tb1) = office, true, 3)` and so on.
@@ -60,7 +62,10 @@ struct Diagnosis
                      ///< false)" or "exo_move(tb1, office) at 2"
   std::vector<std::string>
       in_words;  ///< each explanation for people, naming the default that is excepted
+  std::vector<ExplanationAlternative> alternatives;  ///< the same, with prices and reasons
   std::vector<std::string> conflict;  ///< when inconsistent: a minimal set of conflicting records
+  std::vector<std::size_t> conflict_records;  ///< the same, as indices into the history
+  std::string conflict_in_words;              ///< with files and lines where records have them
 };
 
 /// A plan under a hypothesis: values, at the current step, of fluents that the history leaves open
@@ -139,14 +144,6 @@ struct RelevantPart
   ProblemSize whole;
 };
 
-/// Why a literal is entailed (DESIGN.md 3.2 point 10).
-struct Explanation
-{
-  bool entailed = false;
-  std::vector<std::string> reasons;  ///< in words, from the literal itself down to what it rests on
-  std::vector<std::string> records;  ///< the records it rests on
-};
-
 /// One model of a history (paper, Definition 2): a path of states with a minimal explanation.
 struct HistoryModel
 {
@@ -211,6 +208,26 @@ public:
   [[nodiscard]] std::vector<std::string> possibleValues(const std::string& fluent, int step) const;
 
   [[nodiscard]] Explanation explain(const std::string& literal, int step) const;
+
+  /// What if these records were in the history as well? The reasoner that answers has the same
+  /// description and options; this one does not change.
+  /// @throws InvalidArgument  a record does not fit the description
+  [[nodiscard]] Reasoner supposing(const std::vector<Record>& hypothetical) const;
+
+  /// Which doubtful records (confidence below 1) would have to be given up so that the history is
+  /// consistent; most doubtful first, at most eight sets. Empty when it is consistent as it is, or
+  /// when no doubtful record helps.
+  [[nodiscard]] std::vector<Retraction> retractions() const;
+
+  /// The same, so that a literal is possible at a step. Empty when it is possible already, when no
+  /// record refutes it (it is only less plausible), or when no doubtful record helps.
+  [[nodiscard]] std::vector<Retraction> retractionsFor(const std::string& literal, int step) const;
+
+  /// The least certain refutation of a value of a ground fluent at the current step: what to give
+  /// up when every value that was hoped for is refuted (DESIGN.md 3.2 point 6). `opens` names a
+  /// value that becomes possible. No records when no doubtful record refutes a value. How often to
+  /// ask is the caller's business.
+  [[nodiscard]] Retraction leastCertainRefutation(const std::string& fluent) const;
 
   /// Plans from the current step, for each hypothesis (DESIGN.md 3.2 point 8).
   /// @param cancel  may be set from another thread; the call then throws Cancelled
