@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 
 namespace kr3::reasoner
 {
@@ -127,11 +128,17 @@ std::string Encoding::literal(const Literal& literal, const std::string& step) c
   {
     return holds(literal.value.name);
   }
+  if (is_static)
+  {
+    return "not " + holds(literal.value.name);  // a static may have no value at all
+  }
   // A value of its own for each such literal: two of them in one body may differ.
   std::string other = "_V_";
   for (const char c : name + "_" + literal.value.name)
   {
-    other += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+    other += std::isalnum(static_cast<unsigned char>(c)) != 0 ? std::string(1, c)
+             : c == '_'                                       ? "__"
+                                                              : "_" + std::to_string(c) + "_";
   }
   return holds(other) + ", " + other + " != " + literal.value.name;
 }
@@ -211,6 +218,7 @@ std::string Encoding::signature() const
               guards.text() + body(constraint.body, "0") + ".\n";
     }
   }
+  text += unequalRules();
   text +=
       "#defined sort/2. #defined defined/1. #defined fv/2. #defined agent/1. "
       "#defined exog/1. "
@@ -218,9 +226,93 @@ std::string Encoding::signature() const
   return text;
 }
 
+bool Encoding::dependsOn(const std::string& fluent, const std::string& other) const
+{
+  std::set<std::string> reached;
+  std::vector<std::string> open = {fluent};
+  while (!open.empty())
+  {
+    const std::string name = open.back();
+    open.pop_back();
+    if (name == other)
+    {
+      return true;
+    }
+    if (!reached.insert(name).second)
+    {
+      continue;
+    }
+    for (const StateConstraint& constraint : description_.constraints)
+    {
+      if (!constraint.head || constraint.head->atom.name != name)
+      {
+        continue;
+      }
+      for (const Condition& condition : constraint.body)
+      {
+        if (const auto* literal = std::get_if<Literal>(&condition))
+        {
+          open.push_back(literal->atom.name);
+        }
+      }
+    }
+  }
+  return false;
+}
+
+bool Encoding::isCircular(const StateConstraint& constraint, const Condition& condition) const
+{
+  const auto* literal = std::get_if<Literal>(&condition);
+  return literal != nullptr && constraint.head && !literal->equal && !isBoolean(*literal) &&
+         description_.findFluent(literal->atom.name)->kind != FluentKind::kStatic &&
+         dependsOn(literal->atom.name, constraint.head->atom.name);
+}
+
+std::string Encoding::stateBody(const StateConstraint& constraint) const
+{
+  std::string text;
+  for (const Condition& condition : constraint.body)
+  {
+    if (isCircular(constraint, condition))
+    {
+      const auto& literal = std::get<Literal>(condition);
+      text += ", ne(" + term(literal.atom) + "," + literal.value.name + ",t)";
+    }
+    else
+    {
+      text += body({condition}, "t");
+    }
+  }
+  return text;
+}
+
+std::string Encoding::unequalRules() const
+{
+  std::string text;
+  for (const StateConstraint& constraint : description_.constraints)
+  {
+    for (const Condition& condition : constraint.body)
+    {
+      if (isCircular(constraint, condition))
+      {
+        const auto& literal = std::get<Literal>(condition);
+        Guards guards(description_);
+        guards.literal(literal);
+        text += "watched(" + term(literal.atom) + "," + literal.value.name + ") :- #true" +
+                guards.text() + ".\n";
+      }
+    }
+  }
+  return text;
+}
+
 std::string Encoding::state() const
 {
   std::string text = ":- basic(_F), not 1 { h(_F,_V,t) : fv(_F,_V) } 1.\n";
+  if (!unequalRules().empty())
+  {
+    text += "ne(_F,_V,t) :- watched(_F,_V), h(_F,_W,t), _W != _V.\n:- ne(_F,_V,t), h(_F,_V,t).\n";
+  }
   for (const StateConstraint& constraint : description_.constraints)
   {
     Guards guards(description_);
@@ -237,7 +329,7 @@ std::string Encoding::state() const
     {
       continue;
     }
-    const std::string conditions = guards.text() + body(constraint.body, "t") + ".\n";
+    const std::string conditions = guards.text() + stateBody(constraint) + ".\n";
     if (head.equal || isBoolean(head))
     {
       text += literal(head, "t") + " :- #true" + conditions;
@@ -361,6 +453,10 @@ std::string Encoding::executabilityRules(const Executability& rule) const
 std::string Encoding::transition() const
 {
   std::string text = "{ h(_F,_V,t) } :- h(_F,_V,t-1), basic(_F).\n";
+  if (!unequalRules().empty())
+  {
+    text += "{ ne(_F,_V,t) } :- ne(_F,_V,t-1).\n";  // f != v stays as it was, too
+  }
   for (std::size_t i = 0; i < description_.causal_laws.size(); ++i)
   {
     text += lawRules(description_.causal_laws[i], i);

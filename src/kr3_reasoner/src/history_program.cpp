@@ -24,9 +24,9 @@ c(_F,true) :- cn(_F,false), bool(_F).
 % A default fires when its body is in the closure and the contrary of its head is not.
 contrary(_D) :- hd(_D,_F,_V,pos), cn(_F,_V).
 contrary(_D) :- hd(_D,_F,_V,neg), c(_F,_V).
-fires(_D) :- dbody(_D), not contrary(_D).
-c(_F,_V) :- fires(_D), hd(_D,_F,_V,pos), not blocked(_D).
-cn(_F,_V) :- fires(_D), hd(_D,_F,_V,neg), not blocked(_D).
+fires(_D) :- dbody(_D), not contrary(_D), free(_D,_B) : better(_B,_D).
+c(_F,_V) :- fires(_D), hd(_D,_F,_V,pos).
+cn(_F,_V) :- fires(_D), hd(_D,_F,_V,neg).
 % Exceptions: contraries of heads may be assumed.
 abducible(no(_F,_V)) :- hd(_,_F,_V,pos).
 abducible(yes(_F,_V)) :- hd(_,_F,_V,neg).
@@ -39,21 +39,22 @@ c(_F,_V) :- ab(yes(_F,_V)).
 :- cn(_F,_V), h(_F,_V,0).
 :- c(_F,true), defined(_F), not h(_F,true,0).
 :- c(_F,false), defined(_F), h(_F,true,0).
-#defined blocked/1. #defined init/2. #defined initn/2. #defined hd/4. #defined dbody/1. #defined better/2. #defined bool/1.
+#defined free/2. #defined init/2. #defined initn/2. #defined hd/4. #defined dbody/1. #defined better/2. #defined bool/1.
 #defined weight/2. #defined doubt/2. #defined c/2. #defined cn/2. #defined lit/2.
 #show h/3. #show ab/1. #show st/2.
 )";
 
-// A default is blocked while a better one with an exclusive head fires. What the worse one
-// concludes must not be what keeps the better one from firing: k, kn is what is known without
-// defaults.
+// free(D, B): the better default B does not keep D from firing. That B is out because the contrary
+// of its head is known must be founded: what D itself concludes cannot be the reason. k, kn: what
+// is known without defaults. x, xn: what follows on a layer, from the heads of one default or of
+// two.
 const char* const kPriorityRules = R"(
 % ---- Preferences ----
-exclude(_A,_B) :- hd(_A,_F,_V,pos), hd(_B,_F,_U,pos), _U != _V.
-exclude(_A,_B) :- hd(_A,_F,_V,pos), hd(_B,_F,_V,neg).
-exclude(_A,_B) :- hd(_A,_F,_V,neg), hd(_B,_F,_V,pos).
-blocked(_W) :- better(_B,_W), fires(_B), exclude(_B,_W).
-applied(_D) :- fires(_D), not blocked(_D).
+free(_D,_B) :- better(_B,_D), not exclude(_B,_D).
+free(_D,_B) :- better(_B,_D), not dbody(_B).
+free(_D,_B) :- better(_B,_D), contrary(_B).
+free(_D,_B) :- better(_B,_D), blocked(_B).
+blocked(_D) :- better(_B,_D), not free(_D,_B).
 k(_F,_V) :- init(_F,_V).
 k(_F,_V) :- ab(yes(_F,_V)).
 kn(_F,_V) :- initn(_F,_V).
@@ -61,11 +62,27 @@ kn(_F,_V) :- ab(no(_F,_V)).
 kn(_F,_V) :- lit(_F,_V), k(_F,_W), _W != _V.
 k(_F,false) :- kn(_F,true), bool(_F).
 k(_F,true) :- kn(_F,false), bool(_F).
-defeated(_D) :- hd(_D,_F,_V,pos), kn(_F,_V).
-defeated(_D) :- hd(_D,_F,_V,neg), k(_F,_V).
-defeated(_D) :- applied(_A), exclude(_A,_D), not better(_D,_A).
-:- better(_B,_W), exclude(_B,_W), applied(_W), dbody(_B), not defeated(_B).
-#defined k/2. #defined kn/2.
+% Two heads exclude each other when each agrees with what is known without defaults, but not both.
+exclude(_B,_D) :- clash(two(_B,_D)), not clash(one(_B)), not clash(one(_D)).
+head(one(_B),_B) :- better(_B,_).
+head(one(_D),_D) :- better(_,_D).
+head(two(_B,_D),(_B;_D)) :- better(_B,_D).
+x(_L,_F,_V) :- head(_L,_D), hd(_D,_F,_V,pos).
+xn(_L,_F,_V) :- head(_L,_D), hd(_D,_F,_V,neg).
+xn(_L,_F,_V) :- x(_L,_F,_W), lit(_F,_V), _W != _V.
+x(_L,_F,false) :- xn(_L,_F,true), bool(_F).
+x(_L,_F,true) :- xn(_L,_F,false), bool(_F).
+about(_L,_F) :- x(_L,_F,_).
+about(_L,_F) :- xn(_L,_F,_).
+y(_L,_F,_V) :- x(_L,_F,_V).
+y(_L,_F,_V) :- beside(_L,_F), k(_F,_V).
+yn(_L,_F,_V) :- xn(_L,_F,_V).
+yn(_L,_F,_V) :- beside(_L,_F), kn(_F,_V).
+beside(_L,_F) :- about(_L,_F).
+clash(_L) :- x(_L,_F,_V), yn(_L,_F,_V).
+clash(_L) :- xn(_L,_F,_V), y(_L,_F,_V).
+clash(_L) :- x(_L,_F,_V), y(_L,_F,_W), _V != _W.
+#defined k/2. #defined kn/2. #defined x/3. #defined xn/3. #defined y/3. #defined yn/3.
 )";
 
 const char* const kExogenousRules = R"(
@@ -184,6 +201,65 @@ std::string HistoryProgram::constraintRules(const StateConstraint& constraint,
          closureBody(constraint.body, layer) + ".\n";
 }
 
+std::string HistoryProgram::exclusionRules(const StateConstraint& constraint) const
+{
+  Body fixed;
+  std::vector<Literal> literals;
+  for (const Condition& condition : constraint.body)
+  {
+    const auto* literal = std::get_if<Literal>(&condition);
+    if (literal == nullptr ||
+        description_.findFluent(literal->atom.name)->kind == FluentKind::kStatic)
+    {
+      fixed.push_back(condition);
+    }
+    else
+    {
+      literals.push_back(normalized(*literal, description_));
+    }
+  }
+  if (constraint.head &&
+      description_.findFluent(constraint.head->atom.name)->kind == FluentKind::kStatic)
+  {
+    return "";
+  }
+  Encoding::Guards guards(description_);
+  guards.body(constraint.body);
+  if (constraint.head)
+  {
+    guards.literal(*constraint.head);
+  }
+  const std::string conditions = guards.text() + encoding_.body(fixed, "0");
+  const auto on = [&](const Literal& literal, const std::string& layer) {
+    return layer + (literal.equal ? "(_L," : "n(_L,") + Encoding::term(literal.atom) + "," +
+           literal.value.name + ")";
+  };
+  const std::string head =
+      constraint.head ? on(normalized(*constraint.head, description_), "x") : "clash(_L)";
+  // What the heads do not touch is known without them; so at least one literal is theirs.
+  std::string text = Encoding::comment(constraint.position);
+  for (std::size_t i = 0; i < literals.size(); ++i)
+  {
+    std::string others;
+    for (std::size_t j = 0; j < literals.size(); ++j)
+    {
+      if (j != i)
+      {
+        others += ", " + on(literals[j], "y");
+        text += "beside(_L," + Encoding::term(literals[j].atom) + ") :- about(_L," +
+                Encoding::term(literals[i].atom) + ")" + conditions + ".\n";
+      }
+    }
+    text += head + " :- " + on(literals[i], "x") + others + conditions + ".\n";
+    if (!literals[i].equal)
+    {
+      text += "lit(" + Encoding::term(literals[i].atom) + "," + literals[i].value.name +
+              ") :- #true" + guards.text() + ".\n";
+    }
+  }
+  return text;
+}
+
 std::string HistoryProgram::preferenceRules() const
 {
   std::string text;
@@ -227,7 +303,7 @@ std::string HistoryProgram::closure() const
     text += kPriorityRules + preferenceRules();
     for (const StateConstraint& constraint : description_.constraints)
     {
-      text += constraintRules(constraint, "k");
+      text += constraintRules(constraint, "k") + exclusionRules(constraint);
     }
   }
   text +=

@@ -60,6 +60,7 @@ private:
   [[nodiscard]] std::string defaultRules(const Default& rule) const;
   [[nodiscard]] std::string constraintRules(const StateConstraint& constraint,
                                             const std::string& layer) const;
+  [[nodiscard]] std::string exclusionRules(const StateConstraint& constraint) const;
   [[nodiscard]] std::string preferenceRules() const;
   [[nodiscard]] std::string recordRules(const std::vector<CheckedRecord>& records,
                                         const Assumable& assumable, bool switchable) const;

@@ -227,9 +227,9 @@ std::vector<std::string> firingDefaults(const HistoryProgram& program,
   Solver solver({"0", "--enum-mode=cautious", "--warn=none"});
   program.addTo(solver);
   const std::string head = Encoding::term(fluent);
-  solver.add("show", {},
-             "applied(_N) :- fires(_D), not blocked(_D), _D = d(_N,_), hd(_D," + head + ",_,_).\n" +
-                 "#show applied/1.\n");
+  solver.add(
+      "show", {},
+      "applied(_N) :- fires(_D), _D = d(_N,_), hd(_D," + head + ",_,_).\n" + "#show applied/1.\n");
   program.groundHistory(solver, records, current_step, optimum.assumable);
   solver.ground({{"show", {}}});
   HistoryProgram::groundBound(solver, optimum.price);

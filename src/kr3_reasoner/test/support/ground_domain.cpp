@@ -619,14 +619,7 @@ bool staticHolds(const Literal& literal, const Description& description, const G
     return (domain.true_statics.count(name) > 0) ==
            ((literal.value.name == "true") == literal.equal);
   }
-  if (literal.equal)
-  {
-    return domain.true_statics.count(name + " = " + literal.value.name) > 0;
-  }
-  const auto& values = description.findSort(*fluent.value_sort)->elements;
-  return std::any_of(values.begin(), values.end(), [&](const std::string& value) {
-    return value != literal.value.name && domain.true_statics.count(name + " = " + value) > 0;
-  });
+  return (domain.true_statics.count(name + " = " + literal.value.name) > 0) == literal.equal;
 }
 
 std::string toString(const GroundLiteral& literal, const GroundDomain& domain)

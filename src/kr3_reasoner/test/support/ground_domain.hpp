@@ -102,7 +102,7 @@ struct GroundDomain
 
 [[nodiscard]] int actionOf(const std::string& name, const GroundDomain& domain);
 
-/// Whether a ground literal of a static is true. `f != v` needs another value, as in a body.
+/// Whether a ground literal of a static is true; `f != v` is when `f = v` is not.
 [[nodiscard]] bool staticHolds(const Literal& literal, const Description& description,
                                const GroundDomain& domain);
 

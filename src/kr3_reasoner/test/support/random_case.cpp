@@ -1,6 +1,7 @@
 #include "random_case.hpp"
 
 #include <algorithm>
+#include <map>
 #include <random>
 #include <set>
 #include <vector>
@@ -44,6 +45,7 @@ public:
     places_.assign({"u", "v", "w", "x", "y", "z"});
     places_.resize(static_cast<std::size_t>(between(2, std::min(size.max_places, 6))));
     drawSignature();
+    drawHeads();
   }
 
   std::string description()
@@ -90,15 +92,27 @@ public:
                              : chance(0.04) && !statics_.empty() ? pick(statics_)
                                                                  : pick(inertial_);
       std::string literal = ground(symbol);
+      // Most records agree with one another: they tell of a world that does not change.
+      const std::string fluent = literal;
+      const std::string drawn = symbol.value_sort.empty() ? (chance(0.5) ? "true" : "false")
+                                                          : constant(symbol.value_sort);
+      const std::string now = truth_.emplace(fluent, drawn).first->second;
+      const std::string known = chance(0.75) ? now : drawn;
+      bool is = true;
       if (!symbol.value_sort.empty())
       {
-        literal += (chance(0.8) ? " = " : " != ") + constant(symbol.value_sort);
+        const std::string said = chance(0.6) ? known : constant(symbol.value_sort);
+        const bool equal = chance(0.8);
+        literal += (equal ? " = " : " != ") + said;
+        is = (said == known) == equal;
       }
-      else if (chance(0.15))
+      else
       {
-        literal = "-" + literal;
+        const bool negative = chance(0.15);
+        literal = (negative ? "-" : "") + literal;
+        is = (known == "true") != negative;
       }
-      const std::string value = chance(0.6) ? "true" : "false";
+      const std::string value = is ? "true" : "false";
       text += initial ? "init(" + literal + ", " + value + ")"
                       : "obs(" + literal + ", " + value + ", " + std::to_string(between(0, steps)) +
                             ")";
@@ -167,6 +181,17 @@ private:
     perhaps(agent_.empty() ? 1.0 : 0.3, agent_, {"flip", {}, ""});
     perhaps(0.4, exogenous_, {"push", {"thing"}, ""});
     perhaps(0.2, exogenous_, {"burst", {}, ""});
+  }
+
+  /// Heads of the defaults, before the constraints, which then can set them against each other.
+  void drawHeads()
+  {
+    const int count = between(0, size_.max_defaults);
+    for (int i = 0; i < count; ++i)
+    {
+      std::set<std::string> bound = {"X"};
+      heads_.push_back(literal(pick(inertial_), bound, false, 0.2));
+    }
   }
 
   static std::string section(const std::string& name, const std::vector<Symbol>& symbols,
@@ -384,6 +409,22 @@ private:
     for (int i = 0; i < count; ++i)
     {
       std::set<std::string> bound;
+      if (heads_.size() > 1 && chance(0.4))
+      {
+        const Strings others = body(chance(0.3) ? 1 : 0, bound, true);
+        text += "  " + rivalry() + (others.empty() ? "" : ", " + others[0]) + ".\n";
+        continue;
+      }
+      const bool has_at = std::any_of(inertial_.begin(), inertial_.end(),
+                                      [](const Symbol& each) { return each.name == "at"; });
+      if (has_at && chance(0.15))
+      {
+        // What rests on the values that its own head rules out.
+        const Strings others = body(1, bound, true);
+        text += "  at(X) = " + pick(places_) + " if at(X) != " + pick(places_) + ", " + others[0] +
+                ".\n";
+        continue;
+      }
       const Strings conditions = body(between(1, 3), bound, true);
       std::set<std::string> known = bound;
       known.insert("X");
@@ -392,6 +433,16 @@ private:
       text += "  " + head + ifText(conditions) + ".\n";
     }
     return text;
+  }
+
+  /// A constraint under which two heads of defaults exclude each other, or one follows.
+  std::string rivalry()
+  {
+    const std::string one = pick(heads_);
+    const std::string other = pick(heads_);
+    return chance(0.6)   ? "false if " + one + ", " + other
+           : chance(0.8) ? contraryText(one) + " if " + other
+                         : one + " if " + other;
   }
 
   /// Definitions look at defined fluents that come before only, or at their own, without `-`.
@@ -427,14 +478,14 @@ private:
     std::string text;
     Strings names;
     Strings heads;
-    const int count = between(0, size_.max_defaults);
-    for (int i = 0; i < count; ++i)
+    for (std::size_t i = 0; i < heads_.size(); ++i)
     {
-      const Symbol& symbol = pick(inertial_);
-      std::set<std::string> bound = {"X"};
-      const std::string head = literal(symbol, bound, false, 0.2);
-      bound = head.find("(X)") != std::string::npos ? std::set<std::string>{"X"}
-                                                    : std::set<std::string>{};
+      const std::string& head = heads_[i];
+      std::set<std::string> bound;
+      if (head.find("(X)") != std::string::npos)
+      {
+        bound.insert("X");
+      }
       Strings conditions;
       if (!heads.empty() && chance(0.5))
       {
@@ -457,7 +508,7 @@ private:
     {
       for (std::size_t j = i + 1; j < names.size(); ++j)
       {
-        if (chance(0.35))
+        if (chance(0.5))
         {
           const bool forward = chance(0.9);
           text += "  prefer " + names[forward ? j : i] + " over " + names[forward ? i : j] + ".\n";
@@ -491,6 +542,8 @@ private:
   std::vector<Symbol> defined_;
   std::vector<Symbol> agent_;
   std::vector<Symbol> exogenous_;
+  Strings heads_;
+  std::map<std::string, std::string> truth_;
 };
 
 }  // namespace
