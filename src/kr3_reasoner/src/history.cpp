@@ -11,6 +11,7 @@
 #include "builder.hpp"
 #include "check.hpp"
 #include "grammar.hpp"
+#include "text_file.hpp"
 
 namespace kr3::reasoner
 {
@@ -43,6 +44,7 @@ std::optional<Record> recordOf(const Node& node, std::vector<Diagnostic>& proble
   Record record;
   record.position = node.position;
   record.kind = kindOf(node.child(Rule::kRecordKind)->text);
+  record.position = node.position;
   const bool is_action =
       record.kind == RecordKind::kHappened || record.kind == RecordKind::kAttempted;
   const bool is_literal = !is_action;
@@ -197,6 +199,11 @@ std::vector<Record> parseHistory(const std::string& text, const std::string& fil
   }
   throwIfAny(problems);
   return records;
+}
+
+std::vector<Record> readHistory(const std::string& path, const Description& description)
+{
+  return parseHistory(readTextFile(path), path, description);
 }
 
 }  // namespace kr3::reasoner

@@ -325,8 +325,8 @@ std::string HistoryProgram::recordRules(const std::vector<CheckedRecord>& record
     const CheckedRecord& checked = records[i];
     const std::string number = std::to_string(i);
     const std::string step = std::to_string(checked.record.step);
-    text += "% " + toString(checked.record) + "\n" + (switchable ? "#external rec(" : "rec(") +
-            number + ").\n";
+    text += Encoding::comment(checked.record.position) + "% " + toString(checked.record) + "\n" +
+            (switchable ? "#external rec(" : "rec(") + number + ").\n";
     if (checked.isAction())
     {
       const std::string action = Encoding::term(checked.action);
@@ -404,13 +404,14 @@ void HistoryProgram::groundBound(Solver& solver, const Price& price)
   solver.ground({{"bound", {price.retractions, price.assumptions}}});
 }
 
-std::string HistoryProgram::text(const std::vector<CheckedRecord>& records) const
+std::string HistoryProgram::text(const std::vector<CheckedRecord>& records,
+                                 const Assumable& assumable) const
 {
   return "#program base.\n" + encoding_.signature() + closure() + "\n#program state(t).\n" +
          encoding_.state() + "\n#program trans(t).\n" + encoding_.transition() +
          "\n#program exo(t).\n" + kExogenousRules + "\n#program minimize.\n" + kMinimizeRules +
          "\n#program bound(r,a).\n" + kBoundRules + "\n#program records.\n" +
-         recordRules(records, {}, false);
+         recordRules(records, assumable, false);
 }
 
 }  // namespace kr3::reasoner

@@ -50,8 +50,9 @@ public:
   /// Restricts to explanations of at most this price.
   static void groundBound(Solver& solver, const Price& price);
 
-  /// All of the program as text, for people.
-  [[nodiscard]] std::string text(const std::vector<CheckedRecord>& records) const;
+  /// All of the program as text, its parts under `#program` headings.
+  [[nodiscard]] std::string text(const std::vector<CheckedRecord>& records,
+                                 const Assumable& assumable) const;
 
 private:
   [[nodiscard]] std::string closure() const;

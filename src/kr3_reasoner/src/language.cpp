@@ -1,9 +1,8 @@
 #include "kr3_reasoner/language.hpp"
 
 #include <algorithm>
-#include <fstream>
+#include <iterator>
 #include <map>
-#include <sstream>
 #include <tuple>
 #include <utility>
 
@@ -12,6 +11,7 @@
 #include "builder.hpp"
 #include "check.hpp"
 #include "grammar.hpp"
+#include "text_file.hpp"
 
 namespace kr3::reasoner
 {
@@ -84,6 +84,29 @@ Description fineSignature(const Description& refinement, const Description& base
   return merged;
 }
 
+template <typename Item>
+void append(std::vector<Item>&& from, std::vector<Item>& to)
+{
+  std::move(from.begin(), from.end(), std::back_inserter(to));
+}
+
+/// Adds the statements of one file to those of others.
+void append(Description&& from, Description& to)
+{
+  append(std::move(from.sorts), to.sorts);
+  append(std::move(from.fluents), to.fluents);
+  append(std::move(from.actions), to.actions);
+  append(std::move(from.causal_laws), to.causal_laws);
+  append(std::move(from.constraints), to.constraints);
+  append(std::move(from.executabilities), to.executabilities);
+  append(std::move(from.observations), to.observations);
+  append(std::move(from.static_facts), to.static_facts);
+  append(std::move(from.defaults), to.defaults);
+  append(std::move(from.preferences), to.preferences);
+  append(std::move(from.costs), to.costs);
+  append(std::move(from.magnifications), to.magnifications);
+}
+
 template <typename Check, typename Value>
 Value checked(Value value, const std::vector<Diagnostic>& problems, Check check)
 {
@@ -123,11 +146,24 @@ const ActionDeclaration* Description::findAction(const std::string& name) const
   return find(actions, name);
 }
 
-Description parseDescription(const std::string& text, const std::string& file)
+Description parseDescription(const std::vector<SourceText>& sources)
 {
-  Builder builder(file, nullptr);
-  Description description = builder.build(text);
-  std::vector<Diagnostic> problems = std::move(builder.problems);
+  Description names;  // of all files, so that each may use them
+  for (const SourceText& source : sources)
+  {
+    if (sources.size() > 1)
+    {
+      append(Builder(source.file, nullptr).build(source.text), names);
+    }
+  }
+  Description description;
+  std::vector<Diagnostic> problems;
+  for (const SourceText& source : sources)
+  {
+    Builder builder(source.file, sources.size() > 1 ? &names : nullptr);
+    append(builder.build(source.text), description);
+    problems.insert(problems.end(), builder.problems.begin(), builder.problems.end());
+  }
   for (const Magnification& magnification : description.magnifications)
   {
     problems.push_back({magnification.position,
@@ -135,24 +171,37 @@ Description parseDescription(const std::string& text, const std::string& file)
   }
   const std::vector<Diagnostic> found = check(description);
   problems.insert(problems.end(), found.begin(), found.end());
-  std::stable_sort(problems.begin(), problems.end(), [](const Diagnostic& a, const Diagnostic& b) {
-    return std::tie(a.position.line, a.position.column) <
-           std::tie(b.position.line, b.position.column);
+  const auto fileIndex = [&](const Diagnostic& problem) {
+    return std::find_if(sources.begin(), sources.end(), [&](const SourceText& source) {
+      return source.file == problem.position.file;
+    });
+  };
+  std::stable_sort(problems.begin(), problems.end(), [&](const Diagnostic& a, const Diagnostic& b) {
+    return std::make_tuple(fileIndex(a), a.position.line, a.position.column) <
+           std::make_tuple(fileIndex(b), b.position.line, b.position.column);
   });
   throwIfAny(problems);
   return description;
 }
 
+Description parseDescription(const std::string& text, const std::string& file)
+{
+  return parseDescription(std::vector<SourceText>{{file, text}});
+}
+
+Description readDescription(const std::vector<std::string>& paths)
+{
+  std::vector<SourceText> sources;
+  for (const std::string& path : paths)
+  {
+    sources.push_back({path, readTextFile(path)});
+  }
+  return parseDescription(sources);
+}
+
 Description readDescription(const std::string& path)
 {
-  std::ifstream stream(path);
-  if (!stream)
-  {
-    throw NotFound("cannot read the description '" + path + "'");
-  }
-  std::stringstream text;
-  text << stream.rdbuf();
-  return parseDescription(text.str(), path);
+  return readDescription(std::vector<std::string>{path});
 }
 
 Description parseRefinement(const std::string& text, const std::string& file,
@@ -174,6 +223,11 @@ Description parseRefinement(const std::string& text, const std::string& file,
     sort.elements = merged.findSort(sort.name)->elements;
   }
   return refinement;
+}
+
+Description readRefinement(const std::string& path, const Description& base)
+{
+  return parseRefinement(readTextFile(path), path, base);
 }
 
 void checkDescription(Description& description)

@@ -195,7 +195,8 @@ std::vector<SymbolicModel> modelsOf(const HistoryProgram& program,
 {
   Solver solver({std::to_string(limit), "--project=project", "--warn=none"});
   program.addTo(solver);
-  solver.add("project", {}, std::string(kAssumedRules) + "#project assumed/1.\n#project h/3.\n");
+  solver.add("project", {},
+             std::string(kAssumedRules) + "#project assumed/1. #project h/3. #show occ/2.\n");
   program.groundHistory(solver, records, current_step, optimum.assumable);
   solver.ground({{"project", {}}});
   HistoryProgram::groundBound(solver, optimum.price);
@@ -213,8 +214,13 @@ std::vector<SymbolicModel> modelsOf(const HistoryProgram& program,
       {
         read.holds.push_back(symbol);
       }
+      else if (symbol.match("occ", 2))
+      {
+        read.occurs.push_back(symbol);
+      }
     }
     std::sort(read.assumed.begin(), read.assumed.end());
+    std::sort(read.occurs.begin(), read.occurs.end());
     models.push_back(std::move(read));
   }
   return models;

@@ -51,11 +51,12 @@ private:
     const HistoryProgram& program, const std::vector<CheckedRecord>& records, int current_step,
     const Optimum& optimum);
 
-/// One model: what it assumes, sorted, and its atoms `h(F, V, t)`.
+/// One model: what it assumes, its atoms `h(F, V, t)` and `occ(A, t)`; the first and last sorted.
 struct SymbolicModel
 {
   std::vector<Clingo::Symbol> assumed;
   std::vector<Clingo::Symbol> holds;
+  std::vector<Clingo::Symbol> occurs;
 };
 
 /// The models with minimal explanations, each once.

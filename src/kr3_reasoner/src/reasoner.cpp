@@ -12,6 +12,7 @@
 #include "models.hpp"
 #include "planner.hpp"
 #include "retraction.hpp"
+#include "translation.hpp"
 #include "words.hpp"
 
 namespace kr3::reasoner
@@ -89,6 +90,16 @@ public:
     return *optimum_;
   }
 
+  /// The same of a history that has to be consistent.
+  const Optimum& requiredOptimum()
+  {
+    if (!optimum())
+    {
+      throw FailedPrecondition("the history is inconsistent: " + conflictText());
+    }
+    return *optimum();
+  }
+
   void checkStep(int step) const
   {
     if (step < 0 || step > currentStep())
@@ -104,12 +115,8 @@ public:
     checkStep(step);
     if (!consequences_)
     {
-      if (!optimum())
-      {
-        throw FailedPrecondition("the history is inconsistent: " + conflictText());
-      }
       consequences_ = std::make_unique<Consequences>(description_, program_, records_,
-                                                     currentStep(), *optimum());
+                                                     currentStep(), requiredOptimum());
     }
     return *consequences_;
   }
@@ -346,6 +353,13 @@ std::vector<HistoryModel> Reasoner::models(std::size_t limit) const
       model.states[static_cast<std::size_t>(arguments[2].number())][index.at(toText(arguments[0]))]
           .value.name = toText(arguments[1]);
     }
+    model.actions.resize(static_cast<std::size_t>(last));
+    for (const Clingo::Symbol& occurs : symbolic.occurs)
+    {
+      const auto arguments = occurs.arguments();
+      model.actions[static_cast<std::size_t>(arguments[1].number())].push_back(
+          toText(arguments[0]));
+    }
     models.push_back(std::move(model));
   }
   return models;
@@ -507,7 +521,20 @@ PlanResult Reasoner::plan(const std::string& goal, const PlanOptions& options,
 
 std::string Reasoner::translation() const
 {
-  return impl_->program_.text(impl_->records_);
+  return translationOf(impl_->description_, impl_->program_, impl_->records_, impl_->currentStep(),
+                       impl_->requiredOptimum(), nullptr);
+}
+
+std::string Reasoner::translation(const std::string& goal, int length) const
+{
+  if (length < 0)
+  {
+    throw InvalidArgument("found a plan of " + std::to_string(length) +
+                          " steps to translate, expected at least 0");
+  }
+  const TranslatedGoal translated{parseGoal(goal, impl_->description_), length};
+  return translationOf(impl_->description_, impl_->program_, impl_->records_, impl_->currentStep(),
+                       impl_->requiredOptimum(), &translated);
 }
 
 }  // namespace kr3::reasoner

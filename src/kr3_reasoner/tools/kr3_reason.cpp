@@ -1,233 +1,260 @@
 // Questions about a domain description and a history, from the command line. Needs no ROS.
 
 #include <cstdlib>
-#include <fstream>
+#include <exception>
 #include <iostream>
-#include <sstream>
+#include <optional>
+#include <string>
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include <kr3_common/error.hpp>
 
-#include "kr3_reasoner/reasoner.hpp"
+#include "commands.hpp"
+#include "text_output.hpp"
 
 namespace
 {
 
-using kr3::reasoner::Answer;
-using kr3::reasoner::Description;
-using kr3::reasoner::Reasoner;
-using nlohmann::json;
+using kr3::reasoner::tool::Arguments;
+using kr3::reasoner::tool::Json;
+using kr3::reasoner::tool::Reply;
 
-struct Arguments
+constexpr int kExitInput = 1;
+constexpr int kExitUsage = 2;
+constexpr int kExitLimit = 3;
+constexpr int kExitNegative = 4;
+
+const char* const kFooter = R"text(
+Several FILEs are one description, such as a domain and the objects of a building.
+A FORMULA is made of literals: "on(red) and not (dim or colour(blue) = 3)".
+
+Exit codes: 0 answered, whatever the answer (a plan, "no plan", "false")
+            1 an error in a file or in the question; it is told with its place
+            2 wrong usage
+            3 a limit of time or memory was reached
+            4 only with --exit-code: answered, but not entailed, no plan or inconsistent
+
+`kr3_reason COMMAND --help` explains a command.)text";
+
+using Command = Reply (*)(const Arguments&);
+
+/// The command line. Callbacks refer to `arguments`, which outlives it.
+class CommandLine
 {
-  std::string file;
-  std::string base;
-  std::string history;
-  std::string goal;
-  std::string literal;
-  std::string format = "text";
-  int step = -1;
-  int max_horizon = 12;
-  bool exogenous = false;
+public:
+  explicit CommandLine(Arguments& arguments) : arguments_(arguments)
+  {
+    namespace tool = kr3::reasoner::tool;
+    app_.require_subcommand(1);
+    app_.footer(kFooter);
+
+    CLI::App& check = add("check", "Check a description, a refinement or a history", tool::check,
+                          "kr3_reason check domain.kr3 objects.kr3\n"
+                          "kr3_reason check refinement.kr3 --base domain.kr3");
+    check.add_option("--base", arguments_.base, "the description that FILE refines");
+    addHistory(check);
+
+    CLI::App& translate =
+        add("translate", "Print the answer set program, for plain clingo", tool::translate,
+            "kr3_reason translate domain.kr3 --history day.hist > day.lp && clingo "
+            "--project=show day.lp 0\n"
+            "kr3_reason translate domain.kr3 --goal \"on(red)\" > plan.lp && clingo plan.lp");
+    addHistory(translate);
+    addPrices(translate);
+    addPlanning(translate)->description("look for plans that reach this formula");
+    translate
+        .add_option("--length", arguments_.length, "steps of the plan (default: the shortest)")
+        ->check(CLI::Range(0, kMaxSteps));
+
+    CLI::App& entails =
+        add("entails", "Is a literal true, false or unknown? Without one: all that is entailed",
+            tool::entails,
+            "kr3_reason entails domain.kr3 --history day.hist --literal \"on(red)\" --step 2\n"
+            "kr3_reason entails domain.kr3 --assume \"obs(on(red), false, 1)\"");
+    addLiteral(entails);
+
+    CLI::App& explain = add("explain", "Why is a literal entailed?", tool::explain,
+                            "kr3_reason explain domain.kr3 --history day.hist --literal \"-dim\"");
+    addLiteral(explain)->required();
+
+    CLI::App& models = add("models", "List the models of a history: how it may have been",
+                           tool::models, "kr3_reason models domain.kr3 --history day.hist --all");
+    addHistory(models);
+    addPrices(models);
+    models.add_option("--limit", arguments_.limit, "list at most so many")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    models.add_flag("--all", arguments_.all, "list all, however many there are");
+
+    CLI::App& diagnose =
+        add("diagnose", "The minimal explanations of a history, or what in it conflicts",
+            tool::diagnose,
+            "kr3_reason diagnose domain.kr3 --history day.hist --exogenous --exogenous-weight 3");
+    addHistory(diagnose);
+    addPrices(diagnose);
+
+    CLI::App& plan = add("plan", "Shortest plans for a goal, one for each hypothesis", tool::plan,
+                         "kr3_reason plan domain.kr3 --history day.hist --goal \"on(red)\"");
+    addHistory(plan);
+    addPrices(plan);
+    addPlanning(plan)->required();
+  }
+
+  [[nodiscard]] CLI::App& app() { return app_; }
+  [[nodiscard]] Command chosen() const { return command_; }
+
+private:
+  static constexpr int kMaxSteps = 10000;
+
+  CLI::App& add(const std::string& name, const std::string& help, Command command,
+                const std::string& examples)
+  {
+    CLI::App* sub = app_.add_subcommand(name, help);
+    sub->add_option("FILE", arguments_.files, "the description")->required();
+    sub->add_option("--format", arguments_.format, "text, or json for programs")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"text", "json"}));
+    sub->add_flag("--exit-code", arguments_.exit_code,
+                  "exit with 4 when the answer is negative (see kr3_reason --help)");
+    sub->footer("\nFor example:\n  " + indented(examples));
+    sub->callback([this, name, command] {
+      arguments_.command = name;
+      command_ = command;
+    });
+    return *sub;
+  }
+
+  static std::string indented(std::string lines)
+  {
+    for (std::size_t at = lines.find('\n'); at != std::string::npos; at = lines.find('\n', at + 1))
+    {
+      lines.insert(at + 1, "  ");
+    }
+    return lines;
+  }
+
+  void addHistory(CLI::App& command)
+  {
+    command.add_option("--history", arguments_.histories, "a history file (may be repeated)")
+        ->allow_extra_args(false);
+    command
+        .add_option("--assume", arguments_.assumed,
+                    "what if: one more record, as \"obs(on(red), false, 1)\" (may be repeated)")
+        ->allow_extra_args(false);
+  }
+
+  void addPrices(CLI::App& command)
+  {
+    command.add_flag("--exogenous", arguments_.exogenous,
+                     "exogenous actions compete with exceptions to defaults from the start");
+    command
+        .add_option("--exception-weight", arguments_.exception_weight,
+                    "price of an exception to a default")
+        ->capture_default_str()
+        ->check(CLI::Range(1, kMaxSteps));
+    command
+        .add_option("--exogenous-weight", arguments_.exogenous_weight,
+                    "price of an exogenous action or a failed attempt")
+        ->capture_default_str()
+        ->check(CLI::Range(1, kMaxSteps));
+    command
+        .add_option("--default-weight", arguments_.default_weights,
+                    "NAME=PRICE of an exception to one default (may be repeated)")
+        ->allow_extra_args(false);
+  }
+
+  CLI::Option* addLiteral(CLI::App& command)
+  {
+    addHistory(command);
+    addPrices(command);
+    command.add_option("--step", arguments_.step, "the step (default: the current one)")
+        ->check(CLI::Range(0, kMaxSteps));
+    return command.add_option("--literal", arguments_.literal, "a ground literal");
+  }
+
+  CLI::Option* addPlanning(CLI::App& command)
+  {
+    command.add_option("--max-horizon", arguments_.max_horizon, "steps of the longest plan to try")
+        ->capture_default_str()
+        ->check(CLI::Range(1, kMaxSteps));
+    command.add_option("--time-limit", arguments_.time_limit_s, "seconds of search")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    return command.add_option("--goal", arguments_.goal, "a FORMULA over literals");
+  }
+
+  CLI::App app_{
+      "Questions about a domain description and a history: kr3_reason COMMAND FILE... "
+      "[--history FILE]"};
+  Arguments& arguments_;
+  Command command_ = nullptr;
 };
 
-std::string contentsOf(const std::string& path)
+/// Tells an error on stderr, and with --format json as an object on stdout too.
+int fail(const Arguments& arguments, const std::string& code, const std::string& message, int exit)
 {
-  std::ifstream stream(path);
-  if (!stream)
+  std::cerr << message << "\n";
+  if (arguments.format == "json")
   {
-    throw kr3::NotFound("cannot read '" + path + "'");
+    Json json = {{"command", arguments.command}};
+    json["error"] = {{"code", code}, {"message", message}};
+    std::cout << json.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
   }
-  std::stringstream text;
-  text << stream.rdbuf();
-  return text.str();
+  return exit;
 }
 
-Reasoner reasonerFor(const Arguments& arguments)
+int answer(const Arguments& arguments, Command command)
 {
-  kr3::reasoner::ReasonerOptions options;
-  options.diagnose_exogenous = arguments.exogenous;
-  Reasoner reasoner(kr3::reasoner::readDescription(arguments.file), options);
-  if (!arguments.history.empty())
+  const Reply reply = command(arguments);
+  if (arguments.format == "json")
   {
-    reasoner.setHistory(kr3::reasoner::parseHistory(contentsOf(arguments.history),
-                                                    arguments.history, reasoner.description()));
-  }
-  return reasoner;
-}
-
-int stepFor(const Arguments& arguments, const Reasoner& reasoner)
-{
-  return arguments.step < 0 ? reasoner.currentStep() : arguments.step;
-}
-
-json check(const Arguments& arguments)
-{
-  Description description;
-  if (arguments.base.empty())
-  {
-    description = kr3::reasoner::readDescription(arguments.file);
+    Json json = {{"command", arguments.command}};
+    json.update(reply.json);
+    std::cout << json.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
   }
   else
   {
-    description = kr3::reasoner::parseRefinement(contentsOf(arguments.file), arguments.file,
-                                                 kr3::reasoner::readDescription(arguments.base));
+    std::cout << kr3::reasoner::tool::textOf(arguments, reply.json);
   }
-  return {{"sorts", description.sorts.size()},
-          {"fluents", description.fluents.size()},
-          {"actions", description.actions.size()},
-          {"axioms", description.causal_laws.size() + description.constraints.size() +
-                         description.executabilities.size()},
-          {"defaults", description.defaults.size()}};
-}
-
-json entails(const Arguments& arguments)
-{
-  const Reasoner reasoner = reasonerFor(arguments);
-  const int step = stepFor(arguments, reasoner);
-  const Answer answer = reasoner.entails(arguments.literal, step);
-  return {{"literal", arguments.literal},
-          {"step", step},
-          {"answer", answer == Answer::kTrue    ? "true"
-                     : answer == Answer::kFalse ? "false"
-                                                : "unknown"},
-          {"possible", reasoner.possible(arguments.literal, step)}};
-}
-
-json explain(const Arguments& arguments)
-{
-  const Reasoner reasoner = reasonerFor(arguments);
-  const auto explanation = reasoner.explain(arguments.literal, stepFor(arguments, reasoner));
-  return {{"entailed", explanation.entailed},
-          {"reasons", explanation.reasons},
-          {"records", explanation.records}};
-}
-
-json models(const Arguments& arguments)
-{
-  const Reasoner reasoner = reasonerFor(arguments);
-  json steps = json::object();
-  for (int step = 0; step <= reasoner.currentStep(); ++step)
+  std::cout.flush();
+  if (!std::cout)
   {
-    std::vector<std::string> literals;
-    for (const auto& literal : reasoner.entailedAt(step))
-    {
-      literals.push_back(toString(literal));
-    }
-    steps["step " + std::to_string(step)] = literals;
+    throw kr3::Unavailable("cannot write the answer");
   }
-  return steps;
-}
-
-json diagnose(const Arguments& arguments)
-{
-  const auto diagnosis = reasonerFor(arguments).diagnose();
-  return {{"consistent", diagnosis.consistent},
-          {"cost", diagnosis.cost},
-          {"explanations", diagnosis.explanations},
-          {"in_words", diagnosis.in_words},
-          {"conflict", diagnosis.conflict}};
-}
-
-json plan(const Arguments& arguments)
-{
-  kr3::reasoner::PlanOptions options;
-  options.max_horizon = arguments.max_horizon;
-  const auto result = reasonerFor(arguments).plan(arguments.goal, options);
-  json plans = json::array();
-  for (const auto& found : result.plans)
-  {
-    plans.push_back({{"hypothesis", found.hypothesis}, {"steps", found.steps}});
-  }
-  return {{"goal_entailed", result.goal_entailed},
-          {"plans", plans},
-          {"reason", result.reason},
-          {"cpu_s", result.cpu_s}};
-}
-
-/// `key: value` lines; what is nested is indented.
-void printText(const json& value, const std::string& indent)
-{
-  for (const auto& [key, item] : value.items())
-  {
-    const std::string name = value.is_array() ? "-" : key + ":";
-    if (item.is_primitive())
-    {
-      std::cout << indent << name << " "
-                << (item.is_string() ? item.get<std::string>() : item.dump()) << "\n";
-    }
-    else
-    {
-      std::cout << indent << name << (item.empty() ? " none" : "") << "\n";
-      printText(item, indent + "  ");
-    }
-  }
+  return arguments.exit_code && !reply.positive ? kExitNegative : EXIT_SUCCESS;
 }
 
 }  // namespace
 
 int main(int argc, char** argv)
 {
-  CLI::App app("Questions about a domain description and a history.");
-  app.require_subcommand(1);
   Arguments arguments;
-  json (*question)(const Arguments&) = nullptr;
-  bool translate = false;
-  const auto add = [&](const char* name, const char* help, json (*answer)(const Arguments&)) {
-    CLI::App* command = app.add_subcommand(name, help);
-    command->add_option("file", arguments.file, "the domain description")->required();
-    command->add_option("--format", arguments.format, "text or json")
-        ->check(CLI::IsMember({"text", "json"}));
-    command->callback([&question, answer] { question = answer; });
-    return command;
-  };
-  const auto withHistory = [&](CLI::App* command) {
-    command->add_option("--history", arguments.history, "a history file");
-    command->add_flag("--exogenous", arguments.exogenous,
-                      "exogenous actions compete with exceptions to defaults from the start");
-    return command;
-  };
-  const auto withLiteral = [&](CLI::App* command) {
-    command->add_option("--literal", arguments.literal, "a ground literal")->required();
-    command->add_option("--step", arguments.step, "the step; the current one if not given");
-    return withHistory(command);
-  };
-  add("check", "check a description, or a refinement", check)
-      ->add_option("--base", arguments.base, "the description that FILE refines");
-  withHistory(add("translate", "print the answer set program", nullptr))->callback([&] {
-    translate = true;
-  });
-  withLiteral(add("entails", "is a literal true, false or unknown?", entails));
-  withLiteral(add("explain", "why is a literal entailed?", explain));
-  withHistory(add("models", "everything that is entailed, step by step", models));
-  withHistory(add("diagnose", "the minimal explanations of a history", diagnose));
-  CLI::App* planning = withHistory(add("plan", "shortest plans for a goal", plan));
-  planning->add_option("--goal", arguments.goal, "a formula over literals")->required();
-  planning->add_option("--max-horizon", arguments.max_horizon, "the longest plan that is tried");
-  CLI11_PARSE(app, argc, argv);
+  CommandLine line(arguments);
   try
   {
-    if (translate)
-    {
-      std::cout << reasonerFor(arguments).translation();
-      return EXIT_SUCCESS;
-    }
-    const json answer = question(arguments);
-    if (arguments.format == "json")
-    {
-      std::cout << answer.dump(2) << "\n";
-    }
-    else
-    {
-      printText(answer, "");
-    }
+    line.app().parse(argc, argv);
+  }
+  catch (const CLI::ParseError& e)
+  {
+    return line.app().exit(e) == 0 ? EXIT_SUCCESS : kExitUsage;
+  }
+  try
+  {
+    return answer(arguments, line.chosen());
+  }
+  catch (const kr3::Error& e)
+  {
+    const bool limit = e.code() == kr3::ErrorCode::kDeadlineExceeded ||
+                       e.code() == kr3::ErrorCode::kResourceExhausted;
+    return fail(arguments, kr3::toString(e.code()), e.what(), limit ? kExitLimit : kExitInput);
+  }
+  catch (const std::bad_alloc&)
+  {
+    return fail(arguments, "RESOURCE_EXHAUSTED", "out of memory", kExitLimit);
   }
   catch (const std::exception& e)
   {
-    std::cerr << e.what() << "\n";
-    return EXIT_FAILURE;
+    return fail(arguments, "INTERNAL", e.what(), kExitInput);
   }
-  return EXIT_SUCCESS;
 }

@@ -246,12 +246,26 @@ struct Diagnostic
   std::string message;
 };
 
+/// A text and the name of the file it stands in, for messages.
+struct SourceText
+{
+  std::string file;
+  std::string text;
+};
+
 /// Parses and checks a description. Reports every problem, not just the first.
 ///
 /// @param text  the description
 /// @param file  its name, for messages
 /// @throws InvalidArgument  with one line "file:line:column: message" for each problem
 [[nodiscard]] Description parseDescription(const std::string& text, const std::string& file);
+
+/// The same for one description in several files, such as the domain and the objects of a building:
+/// what one file declares, all others may use. An order of the files is not needed.
+[[nodiscard]] Description parseDescription(const std::vector<SourceText>& sources);
+
+/// Reads and parses one description from several files. @throws as readDescription of one file
+[[nodiscard]] Description readDescription(const std::vector<std::string>& paths);
 
 /// Reads and parses a file. @throws NotFound  no such file; InvalidArgument as parseDescription
 [[nodiscard]] Description readDescription(const std::string& path);
@@ -261,6 +275,10 @@ struct Diagnostic
 /// The result holds the refinement's own declarations only.
 [[nodiscard]] Description parseRefinement(const std::string& text, const std::string& file,
                                           const Description& base);
+
+/// Reads and parses a refinement. @throws NotFound  no such file; InvalidArgument as
+/// parseRefinement
+[[nodiscard]] Description readRefinement(const std::string& path, const Description& base);
 
 /// Checks a description that was composed in memory and completes its sorts' elements.
 /// @throws InvalidArgument  as parseDescription

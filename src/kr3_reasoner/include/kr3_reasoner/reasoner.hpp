@@ -45,6 +45,10 @@ struct Record
 [[nodiscard]] std::vector<Record> parseHistory(const std::string& text, const std::string& file,
                                                const Description& description);
 
+/// Reads and parses a history file. @throws NotFound  no such file; InvalidArgument as parseHistory
+[[nodiscard]] std::vector<Record> readHistory(const std::string& path,
+                                              const Description& description);
+
 enum class Answer : std::uint8_t
 {
   kFalse = 0,
@@ -150,6 +154,8 @@ struct HistoryModel
   std::vector<std::string> assumed;  ///< as in Diagnosis::explanations
   std::vector<std::vector<Literal>>
       states;  ///< at each step `f = v` for every fluent, in the order of declaration
+  std::vector<std::vector<std::string>> actions =
+      {};  ///< what occurs at each step but the last, exogenous actions included
 };
 
 /// What a diagnosis may assume, and at what price.
@@ -239,9 +245,15 @@ public:
   /// What can matter to a goal, and why (DESIGN.md 3.3 "Relevance").
   [[nodiscard]] RelevantPart relevant(const std::string& goal) const;
 
-  /// The ASP program that `entails`, `diagnose` and `plan` solve, with comments that point to
-  /// source lines.
+  /// The answer set program of the description and the history, complete as it stands: plain
+  /// `clingo FILE 0` lists exactly the models of the history. Comments point to source lines.
+  /// @throws FailedPrecondition  the history is inconsistent
   [[nodiscard]] std::string translation() const;
+
+  /// The same with a goal: `clingo FILE 0` lists the trajectories in which a plan of the given
+  /// length reaches the goal in at least one model of the history.
+  /// @param length  steps of the plan, at least 0
+  [[nodiscard]] std::string translation(const std::string& goal, int length) const;
 
 private:
   class Impl;

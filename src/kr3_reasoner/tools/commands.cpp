@@ -1,0 +1,285 @@
+#include "commands.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include <kr3_common/error.hpp>
+
+namespace kr3::reasoner::tool
+{
+
+namespace
+{
+
+ReasonerOptions optionsFor(const Arguments& arguments)
+{
+  ReasonerOptions options;
+  options.diagnose_exogenous = arguments.exogenous;
+  options.exception_weight = arguments.exception_weight;
+  options.exogenous_weight = arguments.exogenous_weight;
+  for (const std::string& weight : arguments.default_weights)
+  {
+    const std::size_t sign = weight.find('=');
+    const std::string number = sign == std::string::npos ? "" : weight.substr(sign + 1);
+    if (number.empty() || number.size() > 6 ||
+        number.find_first_not_of("0123456789") != std::string::npos)
+    {
+      throw InvalidArgument("found the weight '" + weight + "' of a default, expected NAME=NUMBER");
+    }
+    options.default_weights[weight.substr(0, sign)] = std::stoi(number);
+  }
+  return options;
+}
+
+void checkDefaultNames(const ReasonerOptions& options, const Description& description)
+{
+  for (const auto& [name, weight] : options.default_weights)
+  {
+    const bool known =
+        std::any_of(description.defaults.begin(), description.defaults.end(),
+                    [&name = name](const Default& rule) { return rule.name.name == name; });
+    if (!known)
+    {
+      throw InvalidArgument("unknown default '" + name + "' in a weight");
+    }
+  }
+}
+
+/// The reasoner with the history, and with what is assumed on top of it.
+Reasoner reasonerFor(const Arguments& arguments)
+{
+  const ReasonerOptions options = optionsFor(arguments);
+  Description description = readDescription(arguments.files);
+  checkDefaultNames(options, description);
+  Reasoner reasoner(std::move(description), options);
+  for (const std::string& file : arguments.histories)
+  {
+    reasoner.addRecords(readHistory(file, reasoner.description()));
+  }
+  for (const std::string& record : arguments.assumed)
+  {
+    const bool ended = record.find_last_not_of(" \t\n") == record.rfind('.');
+    std::vector<Record> records =
+        parseHistory(ended ? record : record + ".", "'" + record + "'", reasoner.description());
+    for (Record& assumed : records)
+    {
+      assumed.source = "assumed";
+    }
+    reasoner.addRecords(records);
+  }
+  return reasoner;
+}
+
+int stepFor(const Arguments& arguments, const Reasoner& reasoner)
+{
+  return arguments.step < 0 ? reasoner.currentStep() : arguments.step;
+}
+
+const char* textOf(Answer answer)
+{
+  return answer == Answer::kTrue ? "true" : answer == Answer::kFalse ? "false" : "unknown";
+}
+
+/// A record's text with its place in a file, as it stands in an answer.
+Json recordJson(const std::string& text, const Reasoner& reasoner)
+{
+  Json json = {{"record", text}, {"file", nullptr}, {"line", nullptr}};
+  for (const Record& record : reasoner.history())
+  {
+    if (record.position.line > 0 && toString(record) == text)
+    {
+      json["file"] = record.position.file;
+      json["line"] = record.position.line;
+      break;
+    }
+  }
+  return json;
+}
+
+Json recordsJson(const std::vector<std::string>& texts, const Reasoner& reasoner)
+{
+  Json list = Json::array();
+  for (const std::string& text : texts)
+  {
+    list.push_back(recordJson(text, reasoner));
+  }
+  return list;
+}
+
+Reply inconsistent(Json json, const Reasoner& reasoner)
+{
+  json["consistent"] = false;
+  json["conflict"] = recordsJson(reasoner.diagnose().conflict, reasoner);
+  return {std::move(json), false};
+}
+
+PlanOptions planOptions(const Arguments& arguments)
+{
+  constexpr double kMaxSeconds = 1e9;
+  PlanOptions options;
+  options.max_horizon = arguments.max_horizon;
+  options.time_limit =
+      std::chrono::milliseconds(std::llround(std::min(arguments.time_limit_s, kMaxSeconds) * 1e3));
+  return options;
+}
+
+}  // namespace
+
+Reply check(const Arguments& arguments)
+{
+  Description description;
+  if (arguments.base.empty())
+  {
+    description = readDescription(arguments.files);
+  }
+  else
+  {
+    if (arguments.files.size() != 1)
+    {
+      throw InvalidArgument("found " + std::to_string(arguments.files.size()) +
+                            " files with --base, expected one refinement");
+    }
+    description = readRefinement(arguments.files[0], readDescription(arguments.base));
+  }
+  const auto num_statics = static_cast<std::size_t>(
+      std::count_if(description.fluents.begin(), description.fluents.end(),
+                    [](const FluentDeclaration& f) { return f.kind == FluentKind::kStatic; }));
+  Json json = {{"files", arguments.files},
+               {"sorts", description.sorts.size()},
+               {"statics", num_statics},
+               {"facts", description.static_facts.size()},
+               {"fluents", description.fluents.size() - num_statics},
+               {"actions", description.actions.size()},
+               {"axioms", description.causal_laws.size() + description.constraints.size() +
+                              description.executabilities.size()},
+               {"observations", description.observations.size()},
+               {"defaults", description.defaults.size()}};
+  if (!arguments.histories.empty())
+  {
+    const Reasoner reasoner = reasonerFor(arguments);
+    json["records"] = reasoner.history().size();
+    json["current_step"] = reasoner.currentStep();
+  }
+  return {json, true};
+}
+
+Reply translate(const Arguments& arguments)
+{
+  const Reasoner reasoner = reasonerFor(arguments);
+  if (arguments.goal.empty())
+  {
+    return {{{"program", reasoner.translation()}}, true};
+  }
+  int length = arguments.length;
+  bool found = true;
+  if (length < 0)
+  {
+    const PlanResult result = reasoner.plan(arguments.goal, planOptions(arguments));
+    found = result.goal_entailed || !result.plans.empty();
+    length = arguments.max_horizon;
+    for (const Plan& plan : result.plans)
+    {
+      length = std::min(length, static_cast<int>(plan.steps.size()));
+    }
+    length = result.goal_entailed ? 0 : length;
+  }
+  return {{{"program", reasoner.translation(arguments.goal, length)}, {"length", length}}, found};
+}
+
+Reply entails(const Arguments& arguments)
+{
+  const Reasoner reasoner = reasonerFor(arguments);
+  const int step = stepFor(arguments, reasoner);
+  if (arguments.literal.empty())
+  {
+    Json literals = Json::array();
+    for (const Literal& literal : reasoner.entailedAt(step))
+    {
+      literals.push_back(toString(literal));
+    }
+    return {{{"step", step}, {"literals", literals}}, true};
+  }
+  const Answer answer = reasoner.entails(arguments.literal, step);
+  return {{{"literal", arguments.literal},
+           {"step", step},
+           {"answer", textOf(answer)},
+           {"possible", reasoner.possible(arguments.literal, step)}},
+          answer == Answer::kTrue};
+}
+
+Reply explain(const Arguments& arguments)
+{
+  const Reasoner reasoner = reasonerFor(arguments);
+  const int step = stepFor(arguments, reasoner);
+  const Explanation explanation = reasoner.explain(arguments.literal, step);
+  return {{{"literal", arguments.literal},
+           {"step", step},
+           {"answer", textOf(reasoner.entails(arguments.literal, step))},
+           {"reasons", explanation.reasons},
+           {"records", recordsJson(explanation.records, reasoner)}},
+          explanation.entailed};
+}
+
+Reply models(const Arguments& arguments)
+{
+  const Reasoner reasoner = reasonerFor(arguments);
+  const std::size_t limit = arguments.all ? 0 : arguments.limit;
+  const std::vector<HistoryModel> found = reasoner.models(limit == 0 ? 0 : limit + 1);
+  const std::size_t num_listed = limit == 0 ? found.size() : std::min(limit, found.size());
+  Json models = Json::array();
+  for (std::size_t i = 0; i < num_listed; ++i)
+  {
+    Json states = Json::array();
+    for (const std::vector<Literal>& state : found[i].states)
+    {
+      states.push_back(Json::array());
+      for (const Literal& literal : state)
+      {
+        states.back().push_back(toString(literal));
+      }
+    }
+    models.push_back(
+        {{"assumed", found[i].assumed}, {"states", states}, {"actions", found[i].actions}});
+  }
+  return {{{"complete", num_listed == found.size()}, {"models", models}}, true};
+}
+
+Reply diagnose(const Arguments& arguments)
+{
+  const Reasoner reasoner = reasonerFor(arguments);
+  const Diagnosis diagnosis = reasoner.diagnose();
+  if (!diagnosis.consistent)
+  {
+    return inconsistent(Json::object(), reasoner);
+  }
+  Json explanations = Json::array();
+  for (std::size_t i = 0; i < diagnosis.explanations.size(); ++i)
+  {
+    explanations.push_back(
+        {{"statements", diagnosis.explanations[i]}, {"in_words", diagnosis.in_words[i]}});
+  }
+  return {{{"consistent", true}, {"cost", diagnosis.cost}, {"explanations", explanations}}, true};
+}
+
+Reply plan(const Arguments& arguments)
+{
+  const Reasoner reasoner = reasonerFor(arguments);
+  const PlanResult result = reasoner.plan(arguments.goal, planOptions(arguments));
+  Json plans = Json::array();
+  for (const Plan& found : result.plans)
+  {
+    plans.push_back({{"hypothesis", found.hypothesis}, {"steps", found.steps}});
+  }
+  return {{{"goal", arguments.goal},
+           {"first_step", reasoner.currentStep()},
+           {"goal_entailed", result.goal_entailed},
+           {"plans", plans},
+           {"reason", result.reason},
+           {"cpu_s", result.cpu_s}},
+          result.goal_entailed || !result.plans.empty()};
+}
+
+}  // namespace kr3::reasoner::tool
