@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 
 #include "support/oracle.hpp"
 #include "support/random_case.hpp"
+#include "support/reference_program.hpp"
 
 namespace kr3::reasoner
 {
@@ -42,6 +44,32 @@ std::string textOf(const oracle::Model& model, const oracle::GroundDomain& domai
     }
   }
   return text;
+}
+
+ModelTexts textsOf(const std::set<oracle::Model>& models, const oracle::GroundDomain& domain)
+{
+  ModelTexts texts;
+  for (const oracle::Model& model : models)
+  {
+    texts.insert(textOf(model, domain));
+  }
+  return texts;
+}
+
+/// The descriptions that come with the repository, and those of the tests.
+std::vector<std::string> shippedDomains()
+{
+  std::vector<std::string> paths = {std::string(KR3_TEST_DIR) + "/data/lamps.kr3"};
+  for (const auto& entry : std::filesystem::directory_iterator(KR3_DOMAINS_DIR))
+  {
+    const std::filesystem::path path = entry.path() / "domain.kr3";
+    if (std::filesystem::exists(path))
+    {
+      paths.push_back(path.string());
+    }
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
 }
 
 std::string textOf(const HistoryModel& model)
@@ -142,11 +170,10 @@ Outcome compareWithOracle(const RandomCase& drawn)
     return Outcome::kInconsistent;
   }
   EXPECT_EQ(diagnosis.cost, answers.cost);
-  ModelTexts expected;
+  const ModelTexts expected = textsOf(answers.models, domain);
   ModelTexts expected_explanations;
   for (const oracle::Model& model : answers.models)
   {
-    expected.insert(textOf(model, domain));
     expected_explanations.insert(textOf(oracle::Model{model.assumed, {}}, domain));
   }
   ModelTexts found;
@@ -184,6 +211,86 @@ TEST(Equivalence, TheReasonerHasTheModelsOfTheDefinitions)
             << " too large to enumerate\n";
   EXPECT_GT(consistent, cases / 3);
   EXPECT_GT(consistent + inconsistent, cases * 3 / 4);
+}
+
+// Three ways to the same models: the fast program, the slow one, and the enumeration.
+TEST(Equivalence, TheSlowProgramHasTheModelsOfTheDefinitionsToo)
+{
+  const long first = numberFrom("KR3_REASONER_SEED", 1);
+  const long cases = numberFrom("KR3_REASONER_CASES", 60) / 2;
+  for (long seed = first; seed < first + cases; ++seed)
+  {
+    const RandomCase drawn = randomCase(static_cast<std::uint64_t>(seed));
+    SCOPED_TRACE(toString(drawn));
+    const Description description = parseDescription(drawn.description, "random");
+    const std::vector<Record> records = parseHistory(drawn.history, "history", description);
+    const oracle::GroundDomain domain = oracle::grounded(description);
+    try
+    {
+      const oracle::Answers expected = oracle::answersOf(description, records, drawn.options);
+      const oracle::Answers found = oracle::referenceAnswers(description, records, drawn.options);
+      EXPECT_EQ(found.consistent, expected.consistent);
+      EXPECT_EQ(found.cost, expected.cost);
+      EXPECT_EQ(difference(textsOf(expected.models, domain), textsOf(found.models, domain)), "");
+    }
+    catch (const ResourceExhausted&)
+    {
+      continue;
+    }
+  }
+}
+
+/// The reasoner against the slow program on a domain that is too large to enumerate.
+void compareWithReference(const std::string& path, std::uint64_t seed)
+{
+  const Description description = readDescription(path);
+  const std::string history =
+      randomHistory(description, seed, static_cast<int>(seed % 4), static_cast<int>(seed % 7));
+  SCOPED_TRACE(path + ", seed " + std::to_string(seed) + "\n" + history);
+  const std::vector<Record> records = parseHistory(history, "history", description);
+  ReasonerOptions options;
+  options.diagnose_exogenous = seed % 2 == 0;
+  Reasoner reasoner(description, options);
+  reasoner.setHistory(records);
+  const oracle::Consequences expected =
+      oracle::referenceConsequences(description, records, options);
+  const Diagnosis diagnosis = reasoner.diagnose();
+  ASSERT_EQ(diagnosis.consistent, expected.consistent);
+  if (!expected.consistent)
+  {
+    return;
+  }
+  EXPECT_EQ(diagnosis.cost, expected.cost);
+  const oracle::GroundDomain domain = oracle::grounded(description);
+  for (int step = 0; step <= reasoner.currentStep(); ++step)
+  {
+    for (std::size_t f = 0; f < domain.fluents.size(); ++f)
+    {
+      const std::set<int>& possible = expected.possible[static_cast<std::size_t>(step)][f];
+      for (int value = 0; value < static_cast<int>(domain.fluents[f].values.size()); ++value)
+      {
+        const Answer answer = possible.count(value) == 0 ? Answer::kFalse
+                              : possible.size() == 1     ? Answer::kTrue
+                                                         : Answer::kUnknown;
+        const std::string literal =
+            oracle::toString(oracle::GroundLiteral{static_cast<int>(f), value, true}, domain);
+        EXPECT_EQ(reasoner.entails(literal, step), answer) << literal << " at " << step;
+      }
+    }
+  }
+}
+
+TEST(Equivalence, TheShippedDomainsMeanWhatTheSlowProgramSays)
+{
+  const long first = numberFrom("KR3_REASONER_SEED", 1);
+  const long cases = std::max(4L, numberFrom("KR3_REASONER_CASES", 60) / 10);
+  for (long seed = first; seed < first + cases; ++seed)
+  {
+    for (const std::string& path : shippedDomains())
+    {
+      compareWithReference(path, static_cast<std::uint64_t>(seed));
+    }
+  }
 }
 
 TEST(Equivalence, RandomCasesAreReproducible)

@@ -38,6 +38,11 @@ struct RandomCase
 /// description always passes the checks of the language; the history may be inconsistent.
 [[nodiscard]] RandomCase randomCase(std::uint64_t seed, const CaseSize& size = {});
 
+/// A history for any description: attempts of random actions, and observations that mostly tell of
+/// one unchanging world. Equal seeds give equal histories.
+[[nodiscard]] std::string randomHistory(const Description& description, std::uint64_t seed,
+                                        int steps, int observations);
+
 /// Both texts and the options, for a message.
 [[nodiscard]] std::string toString(const RandomCase& random_case);
 
