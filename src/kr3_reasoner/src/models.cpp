@@ -261,7 +261,7 @@ std::vector<std::size_t> minimalConflict(const HistoryProgram& program,
 {
   Solver solver({"1", "--warn=none"});
   program.addTo(solver);
-  program.groundHistory(solver, records, current_step, {true, false}, true);
+  program.groundHistory(solver, records, current_step, {true, true}, true);
   std::vector<bool> kept(records.size(), true);
   const auto consistent = [&] {
     for (std::size_t i = 0; i < records.size(); ++i)

@@ -25,6 +25,10 @@ struct Model
   std::vector<std::string> assumed;
   std::vector<Values> states;
 
+  bool operator==(const Model& other) const
+  {
+    return assumed == other.assumed && states == other.states;
+  }
   bool operator<(const Model& other) const
   {
     return std::tie(assumed, states) < std::tie(other.assumed, other.states);
