@@ -87,35 +87,9 @@ public:
     const int records = between(0, size_.max_records);
     for (int i = 0; i < records; ++i)
     {
-      const bool initial = chance(0.4);
-      const Symbol& symbol = chance(0.12) && !defined_.empty()   ? pick(defined_)
-                             : chance(0.04) && !statics_.empty() ? pick(statics_)
-                                                                 : pick(inertial_);
-      std::string literal = ground(symbol);
-      // Most records agree with one another: they tell of a world that does not change.
-      const std::string fluent = literal;
-      const std::string drawn = symbol.value_sort.empty() ? (chance(0.5) ? "true" : "false")
-                                                          : constant(symbol.value_sort);
-      const std::string now = truth_.emplace(fluent, drawn).first->second;
-      const std::string known = chance(0.75) ? now : drawn;
-      bool is = true;
-      if (!symbol.value_sort.empty())
-      {
-        const std::string said = chance(0.6) ? known : constant(symbol.value_sort);
-        const bool equal = chance(0.8);
-        literal += (equal ? " = " : " != ") + said;
-        is = (said == known) == equal;
-      }
-      else
-      {
-        const bool negative = chance(0.15);
-        literal = (negative ? "-" : "") + literal;
-        is = (known == "true") != negative;
-      }
-      const std::string value = is ? "true" : "false";
-      text += initial ? "init(" + literal + ", " + value + ")"
-                      : "obs(" + literal + ", " + value + ", " + std::to_string(between(0, steps)) +
-                            ")";
+      text += !heads_.empty() && chance(0.3)       ? surprise(steps)
+              : !exogenous_.empty() && chance(0.2) ? change(steps)
+                                                   : observation(steps);
       text += chance(0.15) ? " [0." + std::to_string(between(4, 9)) + "].\n" : ".\n";
     }
     return text;
@@ -135,6 +109,68 @@ public:
   }
 
 private:
+  // ---- Records ----
+
+  /// The head of a default seen to be false, after the initial state.
+  std::string surprise(int steps)
+  {
+    std::string head = pick(heads_);
+    for (const char* variable : {"X", "Y"})
+    {
+      const std::size_t at = head.find(std::string("(") + variable + ")");
+      if (at != std::string::npos)
+      {
+        head.replace(at + 1, 1, pick(things_));
+      }
+    }
+    return "obs(" + head + ", " + (chance(0.9) ? "false" : "true") + ", " +
+           std::to_string(between(1, std::max(1, steps))) + ")";
+  }
+
+  /// A fluent that has not the value it had.
+  std::string change(int steps)
+  {
+    const Symbol& symbol = pick(inertial_);
+    const std::string literal =
+        ground(symbol) + (symbol.value_sort.empty() ? "" : " = " + constant(symbol.value_sort));
+    const bool before = chance(0.5);
+    return "obs(" + literal + (before ? ", true" : ", false") + ", 0).\nobs(" + literal +
+           (before ? ", false, " : ", true, ") + std::to_string(between(1, std::max(1, steps))) +
+           ")";
+  }
+
+  /// Something that mostly agrees with the other observations: they tell of one unchanging world.
+  std::string observation(int steps)
+  {
+    const Symbol& symbol = chance(0.12) && !defined_.empty()   ? pick(defined_)
+                           : chance(0.04) && !statics_.empty() ? pick(statics_)
+                                                               : pick(inertial_);
+    const bool initial = chance(0.4);
+    std::string literal = ground(symbol);
+    const std::string drawn =
+        symbol.value_sort.empty() ? (chance(0.5) ? "true" : "false") : constant(symbol.value_sort);
+    const std::string now = truth_.emplace(literal, drawn).first->second;
+    const std::string known = chance(0.85) ? now : drawn;
+    bool is = true;
+    if (!symbol.value_sort.empty())
+    {
+      const std::string said = chance(0.6) ? known : constant(symbol.value_sort);
+      const bool equal = chance(0.8);
+      literal += (equal ? " = " : " != ") + said;
+      is = (said == known) == equal;
+    }
+    else
+    {
+      const bool negative = chance(0.15);
+      literal = (negative ? "-" : "") + literal;
+      is = (known == "true") != negative;
+    }
+    const std::string value = is ? "true" : "false";
+    return initial
+               ? "init(" + literal + ", " + value + ")"
+               : "obs(" + literal + ", " + value + ", " + std::to_string(between(0, steps)) + ")";
+  }
+
   // ---- Drawing ----
 
   int between(int low, int high)
@@ -179,14 +215,14 @@ private:
     perhaps(0.7, agent_, {"go", {"thing", "place"}, ""});
     perhaps(0.4, agent_, {"touch", {"thing"}, ""});
     perhaps(agent_.empty() ? 1.0 : 0.3, agent_, {"flip", {}, ""});
-    perhaps(0.4, exogenous_, {"push", {"thing"}, ""});
+    perhaps(0.6, exogenous_, {"push", {"thing"}, ""});
     perhaps(0.2, exogenous_, {"burst", {}, ""});
   }
 
   /// Heads of the defaults, before the constraints, which then can set them against each other.
   void drawHeads()
   {
-    const int count = between(0, size_.max_defaults);
+    const int count = chance(0.15) ? 0 : between(1, size_.max_defaults);
     for (int i = 0; i < count; ++i)
     {
       std::set<std::string> bound = {"X"};

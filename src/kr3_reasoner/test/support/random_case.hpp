@@ -16,7 +16,7 @@ struct CaseSize
   int max_places = 3;
   int max_steps = 2;     ///< of the history
   int max_defaults = 3;  ///< statements; each has an instance for each thing
-  int max_records = 5;   ///< observations
+  int max_records = 4;   ///< observations
   bool actions_in_language_only =
       false;  ///< no recorded actions: a history that is a good start for planning
 };
