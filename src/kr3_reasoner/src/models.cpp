@@ -52,12 +52,12 @@ Literal positive(const Literal& literal)
 
 std::optional<Optimum> findOptimum(const HistoryProgram& program,
                                    const std::vector<CheckedRecord>& records, int current_step,
-                                   bool exogenous_first)
+                                   bool exogenous_first, const ExplanationStart& start)
 {
-  const bool uncertain =
-      std::any_of(records.begin(), records.end(), [](const CheckedRecord& record) {
-        return !record.isAction() && record.record.confidence < 1.0;
-      });
+  const bool uncertain = start.uncertain || std::any_of(records.begin(), records.end(),
+                                                        [](const CheckedRecord& checked) {
+    return !checked.isAction() && checked.record.confidence < 1.0;
+                         });
   std::vector<Assumable> levels = {{exogenous_first, false}};
   if (!exogenous_first && current_step > 0)
   {
@@ -68,11 +68,11 @@ std::optional<Optimum> findOptimum(const HistoryProgram& program,
     levels.push_back({exogenous_first, true});
     levels.push_back({true, true});
   }
-  for (const Assumable& assumable : levels)
+  for (auto level = static_cast<std::size_t>(start.level); level < levels.size(); ++level)
   {
-    if (const auto price = minimalPrice(program, records, current_step, assumable))
+    if (const auto price = minimalPrice(program, records, current_step, levels[level]))
     {
-      return Optimum{assumable, *price};
+      return Optimum{levels[level], *price, static_cast<int>(level)};
     }
   }
   return std::nullopt;

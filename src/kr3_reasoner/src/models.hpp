@@ -16,6 +16,15 @@ struct Optimum
 {
   Assumable assumable;
   Price price;
+  int level = 0;  ///< how many kinds of assumption did not suffice, see findOptimum
+};
+
+/// Where to begin with the kinds of assumption, when a history is explained in independent parts:
+/// all parts take the first level that explains every one.
+struct ExplanationStart
+{
+  int level = 0;
+  bool uncertain = false;  ///< another part has a record of confidence below 1
 };
 
 /// The minimal price of explaining a history, or nothing when it is inconsistent. Exceptions to
@@ -23,7 +32,8 @@ struct Optimum
 /// exogenous actions; then retracted records.
 [[nodiscard]] std::optional<Optimum> findOptimum(const HistoryProgram& program,
                                                  const std::vector<CheckedRecord>& records,
-                                                 int current_step, bool exogenous_first);
+                                                 int current_step, bool exogenous_first,
+                                                 const ExplanationStart& start = {});
 
 /// What holds in all and in some of the models with minimal explanations, at every step of a
 /// history.

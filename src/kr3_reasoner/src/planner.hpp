@@ -5,17 +5,18 @@
 
 #include "kr3_reasoner/reasoner.hpp"
 #include "models.hpp"
+#include "plan_program.hpp"
 
 namespace kr3::reasoner
 {
 
-/// Finds shortest plans from the current step of a history (DESIGN.md 3.2 point 8). Private to the
-/// package.
+/// Finds plans from the current step of a history (DESIGN.md 3.2 point 8). Private to the package.
 ///
 /// A plan found in one model is only a proposal. It is then tried in all models with minimal
-/// explanations: a counterexample says on which unknown fluents it depends, and those make the
-/// hypothesis, minimized literal by literal. Models that a hypothesis covers are left out of the
-/// next search, so there is one plan for each hypothesis.
+/// explanations: a counterexample (an action that is impossible or leads nowhere, the goal missed,
+/// a higher cost where the cheapest plan is wanted) says on which unknown fluents it depends, and
+/// those make the hypothesis, minimized literal by literal. Models that a hypothesis covers are
+/// left out of the next search, so there is one plan for each hypothesis.
 class Planner
 {
 public:
@@ -24,18 +25,14 @@ public:
           const std::vector<CheckedRecord>& records, int current_step, const Optimum& optimum,
           const Consequences& consequences);
 
+  /// @throws as Reasoner::plan
   [[nodiscard]] PlanResult plan(const Formula& goal, const PlanOptions& options,
                                 const std::atomic<bool>* cancel) const;
 
 private:
   class Search;
 
-  const Description& description_;
-  const HistoryProgram& program_;
-  const std::vector<CheckedRecord>& records_;
-  int current_step_;
-  Optimum optimum_;
-  const Consequences& consequences_;
+  PlanningProblem problem_;
 };
 
 }  // namespace kr3::reasoner

@@ -11,6 +11,7 @@
 #include "ground_fluents.hpp"
 #include "models.hpp"
 #include "planner.hpp"
+#include "relevant_planner.hpp"
 #include "retraction.hpp"
 #include "translation.hpp"
 #include "words.hpp"
@@ -210,6 +211,15 @@ public:
     return found;
   }
 
+  const GroundRules& groundRules()
+  {
+    if (!ground_rules_)
+    {
+      ground_rules_ = std::make_unique<GroundRules>(description_);
+    }
+    return *ground_rules_;
+  }
+
   Description description_;
   ReasonerOptions options_;
   HistoryProgram program_;
@@ -221,6 +231,7 @@ public:
 private:
   std::unique_ptr<std::optional<Optimum>> optimum_;
   std::unique_ptr<Consequences> consequences_;
+  std::unique_ptr<GroundRules> ground_rules_;
 };
 
 Reasoner::Reasoner(Description description, ReasonerOptions options)
@@ -507,16 +518,32 @@ PlanResult Reasoner::plan(const std::string& goal, const PlanOptions& options,
                           const std::atomic<bool>* cancel) const
 {
   const Formula formula = parseGoal(goal, impl_->description_);
+  checkPlanOptions(options);
+  const int step = impl_->currentStep();
+  if (options.relevant_only)
+  {
+    return RelevantPlanner(impl_->groundRules(), impl_->records_, step, impl_->options_)
+        .plan(formula, options, cancel);
+  }
   if (!impl_->optimum())
   {
     PlanResult result;
     result.reason = "the history is inconsistent: " + impl_->conflictText();
     return result;
   }
-  const int step = impl_->currentStep();
   const Planner planner(impl_->description_, impl_->program_, impl_->records_, step,
                         *impl_->optimum(), impl_->consequences(step));
-  return planner.plan(formula, options, cancel);
+  PlanResult result = planner.plan(formula, options, cancel);
+  result.considered = sizeOf(impl_->description_, impl_->records_.size());
+  result.whole = result.considered;
+  return result;
+}
+
+RelevantPart Reasoner::relevant(const std::string& goal) const
+{
+  const Formula formula = parseGoal(goal, impl_->description_);
+  return Slicer(impl_->groundRules(), impl_->records_, impl_->currentStep())
+      .report(formula, kFirstHorizon);
 }
 
 std::string Reasoner::translation() const

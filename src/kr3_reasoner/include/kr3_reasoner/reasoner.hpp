@@ -122,8 +122,9 @@ struct PlanResult
   bool goal_entailed = false;  ///< nothing to do
   std::vector<Plan> plans;     ///< one a hypothesis (more with PlanOptions::all, then those of one
                                ///< hypothesis follow each other, sorted); empty when there is none
-  bool complete = true;        ///< false when PlanOptions::max_plans left plans out
-  std::string reason;          ///< when there is no plan: why
+  bool complete = true;    ///< false when PlanOptions::max_plans or the time limit left plans out
+  bool covers_all = true;  ///< false when some possible state has no plan within the horizon
+  std::string reason;      ///< when there is no plan: why; or why the plans are not complete
   double cpu_s = 0.0;
   ProblemSize considered;  ///< what was planned with
   ProblemSize whole;       ///< of how much

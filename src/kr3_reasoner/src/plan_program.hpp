@@ -1,0 +1,152 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "kr3_reasoner/transition_system.hpp"
+#include "models.hpp"
+
+namespace kr3::reasoner
+{
+
+/// The ground actions of each step, sorted.
+using PlanSteps = std::vector<std::vector<std::string>>;
+
+/// Values of the open fluents, in their order: the fluent and its value.
+using OpenValues = std::vector<std::pair<std::string, std::string>>;
+
+/// When a search has to end.
+struct SearchLimit
+{
+  std::chrono::steady_clock::time_point deadline;
+  const std::atomic<bool>* cancel = nullptr;
+};
+
+/// What a plan is looked for in. All must outlive the search.
+struct PlanningProblem
+{
+  const Description& description;
+  const HistoryProgram& program;
+  const std::vector<CheckedRecord>& records;
+  int now;  ///< the current step
+  Optimum optimum;
+  const Consequences& consequences;
+};
+
+/// What is minimized when a plan is proposed; each then the next.
+enum class PlanQuality
+{
+  kNone,                ///< any plan of the given length, where only one action is possible a step
+  kFewestActions,       ///< of the plans of the given length
+  kLeastCost,           ///< of the plans of the given length, then the fewest actions
+  kLeastCostAnyLength,  ///< of all plans up to the given length, then the fewest steps
+};
+
+/// A plan in one model of the history.
+struct Proposal
+{
+  PlanSteps steps;
+  OpenValues state;     ///< of that model, at the current step
+  long cost_milli = 0;  ///< of its actions there, in thousandths
+  std::size_t num_actions = 0;
+};
+
+/// The history, a plan of growing length after it and the goal, as one program that is solved many
+/// times. Private to the package.
+///
+/// `pl(A, t)`: the plan has A at t. It occurs unless an earlier action turned out impossible, so
+/// that what a plan does in a model in which it fails can be looked at too.
+class PlanProgram
+{
+public:
+  PlanProgram(const PlanningProblem& problem, const Formula& goal, int max_length,
+              PlanQuality quality, const SearchLimit& limit);
+
+  /// The ground fluents, not defined ones, that the history leaves open at the current step.
+  [[nodiscard]] const std::vector<GroundFluent>& openFluents() const { return open_; }
+  [[nodiscard]] std::string literalText(const std::pair<std::string, std::string>& value) const;
+
+  /// Whether the goal is false now in some model.
+  bool goalMayBeFalse();
+
+  /// Makes plans of this length possible; lengths grow.
+  void extendTo(int length);
+
+  /// Whether a model is left that no hypothesis covers.
+  bool isUncovered();
+
+  /// A plan of the length in some model that no hypothesis covers.
+  std::optional<Proposal> propose(int length);
+
+  /// Another plan of the same quality as `like` under a hypothesis, none of `but`.
+  std::optional<Proposal> proposeAnother(const Proposal& like, const OpenValues& hypothesis,
+                                         const std::vector<PlanSteps>& but);
+
+  /// The state of a model that agrees with the hypothesis in which the plan fails: an action turns
+  /// out impossible, or the goal is missed.
+  std::optional<OpenValues> failure(const PlanSteps& steps, const OpenValues& hypothesis);
+
+  /// The state of a model that agrees with the hypothesis in which the plan costs more.
+  std::optional<OpenValues> dearer(const PlanSteps& steps, const OpenValues& hypothesis,
+                                   long cost_milli);
+
+  /// The state of a model that agrees with the hypothesis in which the first `step` steps lead to a
+  /// state from which the next one leads nowhere.
+  /// @param fluents  on the values of which that depends
+  /// @throws ResourceExhausted  more than kMaxStates combinations of values
+  std::optional<OpenValues> stuck(const PlanSteps& steps, std::size_t step,
+                                  const OpenValues& hypothesis,
+                                  const std::vector<GroundFluent>& fluents);
+
+  /// The cost of the plan in the model in which it is largest, in thousandths.
+  long largestCost(const PlanSteps& steps, const OpenValues& hypothesis, long at_least);
+
+  /// Leaves the models of a hypothesis out of further proposals, or a plan out of those of a
+  /// length.
+  void cover(const OpenValues& hypothesis);
+  void forbid(const PlanSteps& steps, int length);
+
+  static constexpr int kMaxStates = 2000;
+
+private:
+  using Assumptions = std::vector<Clingo::literal_t>;
+
+  void findOpenFluents();
+  void build(const Formula& goal, int max_length);
+  [[nodiscard]] std::string dependencies() const;
+  [[nodiscard]] std::string costRules() const;
+
+  Clingo::literal_t literal(Clingo::Symbol symbol);
+  Clingo::literal_t newGuard();
+  void addConstraint(Clingo::literal_t guard, const std::vector<Clingo::literal_t>& literals);
+  [[nodiscard]] Assumptions fixed(const PlanSteps& steps, std::size_t upto);
+  void assume(Assumptions& assumptions, const OpenValues& values);
+  bool solve(const Assumptions& assumptions, bool optimize = false);
+  std::optional<Proposal> proposal(Assumptions assumptions, int length);
+  Clingo::literal_t above(const char* part, long bound, int length);
+  [[nodiscard]] OpenValues state() const;
+
+  const PlanningProblem& problem_;
+  PlanQuality quality_;
+  SearchLimit limit_;
+  Encoding encoding_;
+  Solver solver_;
+  int length_ = 0;
+  bool has_costs_ = false;
+  Clingo::literal_t searching_ = 0;
+  std::vector<GroundFluent> open_;
+  std::unordered_map<std::string, std::size_t> open_index_;
+  Clingo::SymbolVector symbols_;
+};
+
+/// Rules by which `root` is true at the step `n` exactly when a formula is; the part has the
+/// parameter n.
+[[nodiscard]] std::string formulaRules(const Formula& formula, const Description& description,
+                                       const std::string& root);
+
+}  // namespace kr3::reasoner

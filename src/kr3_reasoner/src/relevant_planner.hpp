@@ -1,0 +1,50 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "kr3_reasoner/reasoner.hpp"
+#include "slice.hpp"
+
+namespace kr3::reasoner
+{
+
+/// Plans up to this horizon are looked for with the fewest constants that are alike; for longer
+/// ones there have to be more.
+constexpr int kFirstHorizon = 4;
+
+/// Plans on the part of a description and its history that can matter to a goal; the answer is that
+/// of planning on all of it (DESIGN.md 3.3). Private to the package.
+///
+/// The part is widened when it turns out too small: constants that are alike are few for short
+/// plans and more for longer ones, and all are kept where a relevant fluent may have one as its
+/// value. What is left out is explained apart, so that an inconsistent history is noticed and the
+/// kinds of assumption that it takes are the same.
+class RelevantPlanner
+{
+public:
+  /// All must outlive this.
+  RelevantPlanner(const GroundRules& rules, const std::vector<CheckedRecord>& records,
+                  int current_step, const ReasonerOptions& options);
+
+  /// @throws as Reasoner::plan
+  [[nodiscard]] PlanResult plan(const Formula& goal, const PlanOptions& options,
+                                const std::atomic<bool>* cancel) const;
+
+private:
+  struct Explained;
+
+  [[nodiscard]] std::unique_ptr<Explained> explain(const Formula& goal, Slice slice) const;
+  [[nodiscard]] bool mayBeSpare(const Explained& explained) const;
+
+  const std::vector<CheckedRecord>& records_;
+  int current_step_;
+  const ReasonerOptions& options_;
+  Slicer slicer_;
+};
+
+/// @throws InvalidArgument  an option is out of range
+void checkPlanOptions(const PlanOptions& options);
+
+}  // namespace kr3::reasoner
