@@ -387,6 +387,40 @@ private:
       }
       needVariables(rule, derives_static);
     }
+    keepPreferred();
+  }
+
+  /// Preferences are transitive: what stands between two defaults that are kept is kept.
+  void keepPreferred()
+  {
+    const auto rulesOf = [this](const Atom& name) {
+      std::vector<std::size_t> found;
+      for (std::size_t i = 0; i < rules_.rules().size(); ++i)
+      {
+        const GroundableRule& rule = rules_.rules()[i];
+        if (rule.kind == Kind::kDefault &&
+            rules_.description().defaults[rule.index].name.name == name.name)
+        {
+          found.push_back(i);
+        }
+      }
+      return found;
+    };
+    for (const Preference& preference : rules_.description().preferences)
+    {
+      std::vector<std::size_t> both = rulesOf(preference.better);
+      const std::vector<std::size_t> worse = rulesOf(preference.worse);
+      both.insert(both.end(), worse.begin(), worse.end());
+      const bool any = std::any_of(both.begin(), both.end(),
+                                   [this](std::size_t rule) { return rule_kept_[rule]; });
+      for (std::size_t i = 0; any && i < both.size(); ++i)
+      {
+        for (const RuleLiteral& literal : rules_.rules()[both[i]].literals)
+        {
+          fluent_kept_[literal.symbol] = true;
+        }
+      }
+    }
   }
 
   /// The elements that variables of statics stand for: what facts say about them distinguishes
