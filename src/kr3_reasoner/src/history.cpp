@@ -44,7 +44,6 @@ std::optional<Record> recordOf(const Node& node, std::vector<Diagnostic>& proble
   Record record;
   record.position = node.position;
   record.kind = kindOf(node.child(Rule::kRecordKind)->text);
-  record.position = node.position;
   const bool is_action =
       record.kind == RecordKind::kHappened || record.kind == RecordKind::kAttempted;
   const bool is_literal = !is_action;

@@ -3,20 +3,37 @@
 
 import subprocess
 import sys
+import time
 import unittest
 
 import actionlib
+import rosnode
 import rospy
 import rostest
-from kr3_msgs.msg import HistoryRecord, MakePlanAction, MakePlanGoal, Status
+from diagnostic_msgs.msg import DiagnosticArray
+from kr3_msgs.msg import (
+    Assumption,
+    HistoryRecord,
+    MakePlanAction,
+    MakePlanGoal,
+    MakePlanResult,
+    Reason,
+    Status,
+)
 from kr3_msgs.srv import (
     AddRecords,
     Diagnose,
+    DiagnoseRequest,
     Entails,
     EntailsRequest,
     ExplainLiteral,
+    FindRetractions,
+    GetPossibleValues,
     GetState,
+    ListModels,
     SetHistory,
+    Translate,
+    WhatIf,
 )
 
 TIMEOUT_S = 20.0
@@ -36,6 +53,41 @@ def init(statement, value):
         confidence=1.0,
         source="test",
     )
+
+
+def happened(action, step):
+    return HistoryRecord(kind=HistoryRecord.HPD, statement=action, step=step, confidence=1.0)
+
+
+def observed(statement, value, step, confidence=1.0):
+    return HistoryRecord(
+        kind=HistoryRecord.OBS,
+        statement=statement,
+        value=value,
+        step=step,
+        confidence=confidence,
+        source="test",
+    )
+
+
+class Bytes(str):
+    """A text that goes over the wire as these bytes, be they UTF-8 or not."""
+
+    def __new__(cls, raw):
+        text = str.__new__(cls, "?")
+        text.raw = raw
+        return text
+
+    def encode(self, *_):
+        return self.raw
+
+
+def diagnostics():
+    """The key-value pairs of the node's next report."""
+    while True:
+        for status in rospy.wait_for_message("/diagnostics", DiagnosticArray, TIMEOUT_S).status:
+            if status.name == "reasoner_node: reasoner":
+                return {pair.key: pair.value for pair in status.values}
 
 
 START = [init("on(left)", False), init("on(right)", False), init("shows(d) = 2", True)]
@@ -72,6 +124,173 @@ class ReasonerNodeTest(unittest.TestCase):
         self.assertEqual([s.actions for s in result.plans[0].steps], [["flip(left)"]])
         client.send_goal_and_wait(MakePlanGoal(goal="lit(blue)"), rospy.Duration(TIMEOUT_S))
         self.assertEqual(client.get_result().status.code, Status.INVALID_ARGUMENT)
+
+    def test_diagnoses_with_words_and_prices(self):
+        surprise = [happened("flip(left)", 0), observed("lit(red)", False, 1)]
+        self.assertEqual(service("reasoner/add_records", AddRecords)(3, surprise).num_records, 5)
+        diagnose = service("reasoner/diagnose", Diagnose)
+        reply = diagnose()
+        self.assertEqual(reply.status.code, Status.OK, reply.status.message)
+        self.assertEqual(reply.explanations, ["init(broken(red), true)"])
+        self.assertEqual((reply.cost, reply.alternatives[0].price), (1, 1))
+        self.assertIn("sound", reply.alternatives[0].in_words)
+        self.assertEqual(reply.alternatives[0].assumptions[0].kind, Assumption.EXCEPTION)
+        dear = diagnose(DiagnoseRequest(exogenous=True, exception_weight=4))
+        self.assertEqual(dear.explanations, ["break_down(red) at 0"])
+        self.assertEqual(dear.alternatives[0].assumptions[0].kind, Assumption.EXOGENOUS)
+        self.assertEqual(diagnose().explanations, ["init(broken(red), true)"])
+
+    def test_tells_why_and_what_is_open(self):
+        explain = service("reasoner/explain", ExplainLiteral)
+        why = explain("dark", 0)
+        self.assertEqual(why.status.code, Status.OK, why.status.message)
+        self.assertEqual(why.proof[0].depth, 0)
+        self.assertTrue(why.reasons)
+        self.assertLessEqual(max(node.kind for node in why.proof), Reason.CARRIED)
+        self.set_history(START[:2])
+        unknown = explain("shows(d) = 2", 0)
+        self.assertEqual((unknown.entailed, unknown.open), (False, True))
+        self.assertEqual(unknown.values, ["1", "2", "3"])
+        values = service("reasoner/get_possible_values", GetPossibleValues)
+        self.assertEqual(values("shows(d)", 0).values, ["1", "2", "3"])
+        self.assertEqual(values("shows(e)", 0).status.code, Status.INVALID_ARGUMENT)
+
+    def test_what_if_leaves_the_history_alone(self):
+        what_if = service("reasoner/what_if", WhatIf)
+        reply = what_if([happened("flip(left)", 0)], "lit(red)", 1)
+        self.assertEqual(reply.status.code, Status.OK, reply.status.message)
+        self.assertEqual(
+            (reply.consistent, reply.answer, reply.answer_without),
+            (True, EntailsRequest.TRUE, EntailsRequest.UNKNOWN),
+        )
+        same_step = what_if([observed("broken(red)", True, 0)], "broken(red)", 0)
+        self.assertEqual(same_step.answer, EntailsRequest.TRUE)
+        self.assertEqual(same_step.answer_without, EntailsRequest.FALSE)
+        clash = what_if([observed("on(left)", True, 0)], "", 0)
+        self.assertFalse(clash.consistent)
+        self.assertEqual(len(clash.conflict), 2)
+        self.assertEqual(what_if([], "lid(red)", 0).status.code, Status.INVALID_ARGUMENT)
+        self.assertTrue(service("reasoner/diagnose", Diagnose)().consistent)
+        self.assertEqual(service("reasoner/add_records", AddRecords)(3, []).num_records, 3)
+
+    def test_lists_models_retractions_and_the_program(self):
+        list_models = service("reasoner/list_models", ListModels)
+        reply = list_models(0)
+        self.assertEqual((len(reply.models), reply.complete), (1, True))
+        self.assertIn("shows(d) = 2", reply.models[0].steps[0].literals)
+        self.set_history([])
+        self.assertEqual((len(list_models(5).models), list_models(5).complete), (5, False))
+        self.set_history([observed("on(left)", True, 0), observed("on(left)", False, 0, 0.8)])
+        retractions = service("reasoner/find_retractions", FindRetractions)("on(left)", 0)
+        self.assertEqual(retractions.status.code, Status.OK, retractions.status.message)
+        translate = service("reasoner/translate", Translate)
+        self.assertIn("#show h/3.", translate("", 0).program)
+        self.assertIn("_last = _now + 2.", translate("lit(red)", 2).program)
+        self.assertEqual(translate("lit(", 2).status.code, Status.INVALID_ARGUMENT)
+
+    def test_plans_with_options(self):
+        client = actionlib.SimpleActionClient("reasoner/plan", MakePlanAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(TIMEOUT_S)))
+
+        def result(**goal):
+            client.send_goal_and_wait(MakePlanGoal(**goal), rospy.Duration(TIMEOUT_S))
+            return client.get_result()
+
+        both = result(goal="lit(red) and lit(green)")
+        self.assertEqual(both.status.code, Status.OK, both.status.message)
+        self.assertEqual(len(both.plans[0].steps), 2)
+        none = result(goal="lit(red) and dark")
+        self.assertEqual((none.status.code, none.plans), (Status.OK, []))
+        self.assertTrue(none.reason)
+        for wrong in (
+            {"goal": "lit(red)", "preference": 9},
+            {"goal": "lit(red)", "max_plans": 4000000000},
+            {"goal": "lit(red)", "time_limit": rospy.Duration(-1)},
+            {"goal": "lit(red) and " * 2000 + "dark"},
+            {"goal": Bytes(b"lit(\x00\xff)")},
+        ):
+            self.assertEqual(result(**wrong).status.code, Status.INVALID_ARGUMENT)
+        self.assertEqual(result(goal="lit(red)").status.code, Status.OK)
+
+    def test_a_goal_that_is_cancelled_ends_within_200_ms(self):
+        client = actionlib.SimpleActionClient("counter/reasoner/plan", MakePlanAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(TIMEOUT_S)))
+        zero = [init(f"on({bit})", False) for bit in range(14)]
+        self.assertEqual(
+            service("counter/reasoner/set_history", SetHistory)(zero).status.code, Status.OK
+        )
+        durations = []
+        for horizon in (3, 8, 20):
+            heard = []
+            client.send_goal(
+                MakePlanGoal(goal="on(13)"), feedback_cb=lambda f, h=heard: h.append(f.horizon)
+            )
+            deadline = time.monotonic() + TIMEOUT_S
+            while not heard or heard[-1] < horizon:
+                self.assertLess(time.monotonic(), deadline, "no feedback")
+                time.sleep(0.005)
+            start = time.monotonic()
+            client.cancel_goal()
+            self.assertTrue(client.wait_for_result(rospy.Duration(TIMEOUT_S)))
+            durations.append(time.monotonic() - start)
+            self.assertEqual(client.get_result().status.code, Status.CANCELLED)
+        # A busy machine may delay one of them.
+        self.assertLess(sorted(durations)[1], 0.2, durations)
+        # The node goes on: a new goal is accepted and answered.
+        client.send_goal_and_wait(MakePlanGoal(goal="on(0)"), rospy.Duration(TIMEOUT_S))
+        result = client.get_result()
+        self.assertIsInstance(result, MakePlanResult)
+        self.assertEqual([s.actions for s in result.plans[0].steps], [["set(0)"]])
+
+    def test_odd_and_oversized_requests_get_an_error_and_the_node_lives(self):
+        entails = service("reasoner/entails", Entails)
+        odd = [b"on(\x00left)", b"on(\xff\xfe)", b"on(left)\x00", "lit(\u00e9)".encode(), b""]
+        odd += [b"(" * 4000, b"-" * 4000, b"not " * 1000 + b"dark", b"x" * 2_000_000]
+        for raw in odd:
+            reply = entails(Bytes(raw), 0)
+            self.assertEqual(reply.status.code, Status.INVALID_ARGUMENT, raw[:20])
+            self.assertTrue(reply.status.message)
+        add_records = service("reasoner/add_records", AddRecords)
+        for raw in odd:
+            reply = add_records(3, [init(Bytes(raw), True)])
+            self.assertEqual(reply.status.code, Status.INVALID_ARGUMENT, raw[:20])
+            self.assertEqual(reply.num_records, 3)
+        self.assertEqual(add_records(3, [happened("flip(left)", 4000000000)]).num_records, 3)
+        many = self.set_history(START * 500)
+        self.assertEqual(many.status.code, Status.RESOURCE_EXHAUSTED)
+        self.assertEqual(many.num_records, 3)
+        kind = init("dark", True)
+        kind.kind = 77
+        self.assertEqual(add_records(3, [kind]).status.code, Status.INVALID_ARGUMENT)
+        unsure = observed("dark", True, 0, confidence=float("nan"))
+        self.assertEqual(add_records(3, [unsure]).status.code, Status.INVALID_ARGUMENT)
+        self.assertEqual(entails("dark", 0).answer, EntailsRequest.TRUE)
+
+    def test_a_client_notices_a_restart_and_tells_the_history_again(self):
+        rosnode.kill_nodes(["/reasoner_node"])
+        deadline = time.monotonic() + TIMEOUT_S
+        reply = None
+        while reply is None or reply.num_records > 0:
+            self.assertLess(time.monotonic(), deadline, "the node did not come back")
+            try:
+                reply = service("reasoner/add_records", AddRecords)(3, [])
+            except (rospy.ServiceException, rospy.ROSException):
+                time.sleep(0.1)
+        self.assertEqual(reply.status.code, Status.FAILED_PRECONDITION)
+        self.assertIn("set the history again", reply.status.message)
+        self.assertEqual(service("reasoner/set_history", SetHistory)(START).num_records, 3)
+        again = service("reasoner/entails", Entails)("dark", 0)
+        self.assertEqual(again.answer, EntailsRequest.TRUE)
+
+    def test_diagnostics_tell_records_and_the_last_question(self):
+        service("reasoner/entails", Entails)("dark", 0)
+        told = diagnostics()
+        while told["last question"] != "entails":
+            told = diagnostics()
+        self.assertEqual(told["records"], "3")
+        self.assertGreaterEqual(int(told["questions answered"]), 2)
+        self.assertLess(float(told["time since last question (s)"]), TIMEOUT_S)
+        self.assertGreater(float(told["last question took (s)"]), 0.0)
 
     def test_refuses_bad_requests_and_changes_nothing(self):
         add_records = service("reasoner/add_records", AddRecords)

@@ -118,6 +118,10 @@ reasoner::Diagnosis RosReasoner::diagnose()
       begin = end + kSeparator.size();
     }
   }
+  for (const auto& alternative : service.response.alternatives)
+  {
+    diagnosis.in_words.push_back(alternative.in_words);
+  }
   return diagnosis;
 }
 
@@ -160,7 +164,14 @@ reasoner::Explanation RosReasoner::explain(const std::string& literal, int step)
   service.request.literal = literal;
   service.request.step = static_cast<std::uint32_t>(step);
   callService(explain_, service);
-  return {service.response.entailed != 0, service.response.reasons, service.response.records};
+  reasoner::Explanation explanation;
+  explanation.entailed = service.response.entailed != 0;
+  explanation.reasons = service.response.reasons;
+  explanation.records = service.response.records;
+  explanation.record_indices.assign(service.response.record_indices.begin(),
+                                    service.response.record_indices.end());
+  explanation.defaults = service.response.defaults;
+  return explanation;
 }
 
 reasoner::PlanResult RosReasoner::plan(const std::string& goal, const std::atomic<bool>& cancel)

@@ -1,6 +1,8 @@
 #include "reasoner_node.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 
@@ -8,6 +10,7 @@
 #include <kr3_common/ros/status.hpp>
 
 #include "conversions.hpp"
+#include "texts.hpp"
 
 namespace kr3::reasoner
 {
@@ -15,14 +18,35 @@ namespace kr3::reasoner
 namespace
 {
 
-int stepOf(std::uint32_t step)
+Description describe(const ReasonerNodeConfig& config)
 {
-  return static_cast<int>(std::min<std::uint32_t>(step, 1000000));
+  std::vector<std::string> files = {config.domain};
+  files.insert(files.end(), config.more_files.begin(), config.more_files.end());
+  return readDescription(files);
 }
 
-static_assert(static_cast<int>(Answer::kFalse) == kr3_msgs::Entails::Request::FALSE);
-static_assert(static_cast<int>(Answer::kTrue) == kr3_msgs::Entails::Request::TRUE);
-static_assert(static_cast<int>(Answer::kUnknown) == kr3_msgs::Entails::Request::UNKNOWN);
+bool same(const Record& a, const Record& b)
+{
+  return a.kind == b.kind && a.statement == b.statement && a.value == b.value && a.step == b.step &&
+         a.confidence == b.confidence && a.source == b.source;
+}
+
+/// Brings a reasoner to a history; what it has already stays, so that it need not be read again.
+void follow(const std::vector<Record>& history, Reasoner& reasoner)
+{
+  const std::vector<Record>& known = reasoner.history();
+  const bool longer = known.size() <= history.size() &&
+                      std::equal(known.begin(), known.end(), history.begin(), same);
+  if (!longer)
+  {
+    reasoner.setHistory(history);
+  }
+  else if (known.size() < history.size())
+  {
+    reasoner.addRecords(
+        {history.begin() + static_cast<std::ptrdiff_t>(known.size()), history.end()});
+  }
+}
 
 }  // namespace
 
@@ -31,10 +55,13 @@ ReasonerNodeConfig loadReasonerNodeConfig(const ros::NodeHandle& private_nh)
   ReasonerNodeConfig config;
   ParamReader params(private_nh);
   config.domain = params.require<std::string>("domain");
+  config.more_files = params.get("more_files", config.more_files);
   config.max_horizon = params.get("max_horizon", config.max_horizon);
   params.check(config.max_horizon >= 1, "max_horizon", "must be at least 1");
   config.time_limit_s = params.get("time_limit_s", config.time_limit_s);
   params.check(config.time_limit_s > 0.0, "time_limit_s", "must be positive");
+  config.max_records = params.get("max_records", config.max_records);
+  params.check(config.max_records >= 1, "max_records", "must be at least 1");
   config.options.diagnose_exogenous =
       params.get("diagnose_exogenous", config.options.diagnose_exogenous);
   config.options.exception_weight = params.get("exception_weight", config.options.exception_weight);
@@ -47,13 +74,7 @@ ReasonerNodeConfig loadReasonerNodeConfig(const ros::NodeHandle& private_nh)
 
 ReasonerNode::ReasonerNode(ros::NodeHandle nh, const ReasonerNodeConfig& config)
   : config_(config)
-  , reasoner_(readDescription(config.domain), config.options)
-  , set_history_(nh.advertiseService("reasoner/set_history", &ReasonerNode::onSetHistory, this))
-  , add_records_(nh.advertiseService("reasoner/add_records", &ReasonerNode::onAddRecords, this))
-  , entails_(nh.advertiseService("reasoner/entails", &ReasonerNode::onEntails, this))
-  , explain_(nh.advertiseService("reasoner/explain", &ReasonerNode::onExplain, this))
-  , diagnose_(nh.advertiseService("reasoner/diagnose", &ReasonerNode::onDiagnose, this))
-  , get_state_(nh.advertiseService("reasoner/get_state", &ReasonerNode::onGetState, this))
+  , reasoner_(describe(config), config.options)
   , plan_(
         nh, "reasoner/plan", [this](const kr3_msgs::MakePlanGoalConstPtr& goal) { onPlan(goal); },
         false)
@@ -64,138 +85,93 @@ ReasonerNode::ReasonerNode(ros::NodeHandle nh, const ReasonerNodeConfig& config)
   diagnostics_timer_ =
       nh.createWallTimer(ros::WallDuration(kDiagnosticsPeriodS),
                          [this](const ros::WallTimerEvent&) { diagnostics_.update(); });
-  plan_.registerPreemptCallback([this] { cancel_ = true; });
+  offerHistory(nh);
+  offerQuestions(nh);
+  offerAnalyses(nh);
   plan_.start();
   ROS_INFO("reasoning about %s", config_.domain.c_str());
 }
 
 ReasonerNode::~ReasonerNode()
 {
-  cancel_ = true;
   plan_.shutdown();
+  for (Work& work : abandoned_)
+  {
+    work.result.wait();
+  }
 }
 
-bool ReasonerNode::onSetHistory(kr3_msgs::SetHistory::Request& request,
-                                kr3_msgs::SetHistory::Response& response)
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  respond(response.status, "set_history", [&] { reasoner_.setHistory(fromMsg(request.records)); });
-  response.num_records = static_cast<std::uint32_t>(reasoner_.history().size());
-  return true;
-}
-
-bool ReasonerNode::onAddRecords(kr3_msgs::AddRecords::Request& request,
-                                kr3_msgs::AddRecords::Response& response)
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  respond(response.status, "add_records", [&] {
-    if (request.expected_num_records != reasoner_.history().size())
-    {
-      throw FailedPrecondition("there are " + std::to_string(reasoner_.history().size()) +
-                               " records, the client expected " +
-                               std::to_string(request.expected_num_records) +
-                               "; set the history again");
-    }
-    reasoner_.addRecords(fromMsg(request.records));
-  });
-  response.num_records = static_cast<std::uint32_t>(reasoner_.history().size());
-  return true;
-}
-
-bool ReasonerNode::onEntails(kr3_msgs::Entails::Request& request,
-                             kr3_msgs::Entails::Response& response)
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return respond(response.status, "entails", [&] {
-    const int step = stepOf(request.step);
-    response.answer = static_cast<std::uint8_t>(reasoner_.entails(request.literal, step));
-    response.possible = reasoner_.possible(request.literal, step);
-  });
-}
-
-bool ReasonerNode::onExplain(kr3_msgs::ExplainLiteral::Request& request,
-                             kr3_msgs::ExplainLiteral::Response& response)
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return respond(response.status, "explain", [&] {
-    const Explanation explanation = reasoner_.explain(request.literal, stepOf(request.step));
-    response.entailed = explanation.entailed;
-    response.reasons = explanation.reasons;
-    response.records = explanation.records;
-  });
-}
-
-bool ReasonerNode::onDiagnose(kr3_msgs::Diagnose::Request&, kr3_msgs::Diagnose::Response& response)
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return respond(response.status, "diagnose", [&] {
-    const Diagnosis diagnosis = reasoner_.diagnose();
-    response.consistent = diagnosis.consistent;
-    response.cost = static_cast<std::uint32_t>(diagnosis.cost);
-    response.conflict = diagnosis.conflict;
-    for (const std::vector<std::string>& explanation : diagnosis.explanations)
-    {
-      response.explanations.push_back(joined(explanation, "; "));
-    }
-  });
-}
-
-bool ReasonerNode::onGetState(kr3_msgs::GetState::Request& request,
-                              kr3_msgs::GetState::Response& response)
-{
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return respond(response.status, "get_state", [&] {
-    for (const Literal& literal : reasoner_.entailedAt(stepOf(request.step)))
-    {
-      kr3_msgs::ExplainedLiteral explained;
-      explained.literal = toString(literal);
-      explained.step = request.step;
-      if (request.explain)
-      {
-        explained.reason =
-            joined(reasoner_.explain(explained.literal, stepOf(request.step)).reasons, "; ");
-      }
-      response.literals.push_back(explained);
-    }
-  });
-}
-
-kr3_msgs::MakePlanResult ReasonerNode::makePlan(const kr3_msgs::MakePlanGoal& goal)
+ReasonerNode::Work ReasonerNode::startPlanning(const kr3_msgs::MakePlanGoal& goal)
 {
   PlanOptions options;
-  options.max_horizon = goal.max_horizon == 0 ? config_.max_horizon : stepOf(goal.max_horizon);
-  const double limit_s = goal.time_limit.isZero() ? config_.time_limit_s : goal.time_limit.toSec();
-  options.time_limit = std::chrono::milliseconds(static_cast<std::int64_t>(limit_s * 1e3));
-  options.on_horizon = [this](int horizon) {
-    kr3_msgs::MakePlanFeedback feedback;
-    feedback.horizon = static_cast<std::uint32_t>(horizon);
-    plan_.publishFeedback(feedback);
+  options.max_horizon = config_.max_horizon;
+  options.time_limit = std::chrono::milliseconds(std::llround(config_.time_limit_s * 1e3));
+  options = fromMsg(goal, options);
+  const std::string formula = checkedText(goal.goal, "goal");
+  auto cancel = std::make_shared<std::atomic<bool>>(false);
+  options.on_horizon = [this, cancel](int horizon) {
+    if (!*cancel)
+    {
+      kr3_msgs::MakePlanFeedback feedback;
+      feedback.horizon = static_cast<std::uint32_t>(horizon);
+      plan_.publishFeedback(feedback);
+    }
   };
   std::unique_lock<std::mutex> lock(mutex_);
-  Reasoner planner(reasoner_.description(), config_.options);
+  std::shared_ptr<Reasoner> planner = std::exchange(planner_, nullptr);
+  if (!planner)
+  {
+    planner = std::make_shared<Reasoner>(reasoner_.description(), config_.options);
+  }
   std::vector<Record> records = reasoner_.history();
   lock.unlock();
-  planner.setHistory(std::move(records));
-  const kr3_msgs::MakePlanResult result =
-      toMsg(planner.plan(goal.goal, options, &cancel_), planner.currentStep());
-  lock.lock();
-  ++num_plans_;
-  return result;
+  Work work{cancel, {}};
+  work.result = std::async(std::launch::async,
+                           [this, planner, cancel, options, formula, records = std::move(records)] {
+    follow(records, *planner);
+    kr3_msgs::MakePlanResult result =
+        toMsg(planner->plan(formula, options, cancel.get()), planner->currentStep());
+    const std::lock_guard<std::mutex> guard(mutex_);
+    ++num_plans_;
+    planner_ = planner;
+    return result;
+  });
+  return work;
 }
 
 void ReasonerNode::onPlan(const kr3_msgs::MakePlanGoalConstPtr& goal)
 {
-  cancel_ = plan_.isPreemptRequested() || !ros::ok();
+  constexpr std::chrono::milliseconds kPoll(10);
+  constexpr std::chrono::milliseconds kPatience(100);
+  const auto ended = [](Work& work) {
+    return work.result.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  };
+  abandoned_.erase(std::remove_if(abandoned_.begin(), abandoned_.end(), ended), abandoned_.end());
   kr3_msgs::MakePlanResult result;
   try
   {
-    result = makePlan(*goal);
+    Work work = startPlanning(*goal);
+    while (work.result.wait_for(kPoll) != std::future_status::ready)
+    {
+      if (!plan_.isPreemptRequested() && ros::ok())
+      {
+        continue;
+      }
+      *work.cancel = true;
+      if (work.result.wait_for(kPatience) != std::future_status::ready)
+      {
+        abandoned_.push_back(std::move(work));  // it is grounding, and ends after that
+        throw Cancelled("planning was cancelled");
+      }
+    }
+    result = work.result.get();
     result.status = okStatus();
     plan_.setSucceeded(result);
   }
   catch (...)
   {
     result.status = statusFromCurrentException();
+    result.status.message = printable(result.status.message);
     if (result.status.code == kr3_msgs::Status::CANCELLED)
     {
       plan_.setPreempted(result, result.status.message);
@@ -214,6 +190,13 @@ void ReasonerNode::report(diagnostic_updater::DiagnosticStatusWrapper& status)
   status.add("records", reasoner_.history().size());
   status.add("current step", reasoner_.currentStep());
   status.add("plans made", num_plans_);
+  status.add("questions answered", num_questions_);
+  if (num_questions_ > 0)
+  {
+    status.add("last question", last_question_);
+    status.add("last question took (s)", last_duration_s_);
+    status.add("time since last question (s)", (ros::WallTime::now() - last_time_).toSec());
+  }
 }
 
 }  // namespace kr3::reasoner

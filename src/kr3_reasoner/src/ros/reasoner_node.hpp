@@ -1,8 +1,13 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
+#include <functional>
+#include <future>
+#include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include <actionlib/server/simple_action_server.h>
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -15,6 +20,7 @@
 #include <kr3_msgs/GetState.h>
 #include <kr3_msgs/MakePlanAction.h>
 #include <kr3_msgs/SetHistory.h>
+#include <kr3_msgs/WhatIf.h>
 
 #include "kr3_reasoner/reasoner.hpp"
 
@@ -25,16 +31,19 @@ namespace kr3::reasoner
 struct ReasonerNodeConfig
 {
   std::string domain;
+  std::vector<std::string> more_files;
   int max_horizon = 12;
   double time_limit_s = 10.0;
+  int max_records = 10000;
   ReasonerOptions options;
 };
 
 /// @throws InvalidArgument  listing everything wrong with the parameters
 [[nodiscard]] ReasonerNodeConfig loadReasonerNodeConfig(const ros::NodeHandle& private_nh);
 
-/// Offers a Reasoner on ROS. Plans are made in the action server's own thread with a reasoner of
-/// their own, so that the services answer meanwhile.
+/// Offers a Reasoner on ROS. Services answer one after the other, in the thread that spins. Plans
+/// are made in a thread of their own with a reasoner of their own, so that services answer
+/// meanwhile and a goal that is cancelled ends at once, whatever the solver does.
 class ReasonerNode
 {
 public:
@@ -46,33 +55,51 @@ public:
 private:
   using PlanServer = actionlib::SimpleActionServer<kr3_msgs::MakePlanAction>;
 
-  bool onSetHistory(kr3_msgs::SetHistory::Request& request,
-                    kr3_msgs::SetHistory::Response& response);
-  bool onAddRecords(kr3_msgs::AddRecords::Request& request,
-                    kr3_msgs::AddRecords::Response& response);
-  bool onEntails(kr3_msgs::Entails::Request& request, kr3_msgs::Entails::Response& response);
-  bool onExplain(kr3_msgs::ExplainLiteral::Request& request,
-                 kr3_msgs::ExplainLiteral::Response& response);
-  bool onDiagnose(kr3_msgs::Diagnose::Request& request, kr3_msgs::Diagnose::Response& response);
-  bool onGetState(kr3_msgs::GetState::Request& request, kr3_msgs::GetState::Response& response);
+  /// A planning reasoner at work; its thread holds what it needs.
+  struct Work
+  {
+    std::shared_ptr<std::atomic<bool>> cancel;
+    std::future<kr3_msgs::MakePlanResult> result;
+  };
+
+  /// A service: `answer` fills the response, what it throws becomes the status.
+  template <typename Service>
+  void serve(
+      ros::NodeHandle& nh, const std::string& name,
+      std::function<void(const typename Service::Request&, typename Service::Response&)> answer);
+  void offerHistory(ros::NodeHandle& nh);
+  void offerQuestions(ros::NodeHandle& nh);
+  void offerAnalyses(ros::NodeHandle& nh);
+
+  /// @throws ResourceExhausted  more records than the parameter max_records allows
+  void checkCount(std::size_t num_records) const;
+  void addRecords(const kr3_msgs::AddRecords::Request& request);
+  void diagnose(const kr3_msgs::Diagnose::Request& request,
+                kr3_msgs::Diagnose::Response& response) const;
+  void explain(const kr3_msgs::ExplainLiteral::Request& request,
+               kr3_msgs::ExplainLiteral::Response& response) const;
+  void whatIf(const kr3_msgs::WhatIf::Request& request, kr3_msgs::WhatIf::Response& response) const;
+  void getState(const kr3_msgs::GetState::Request& request,
+                kr3_msgs::GetState::Response& response) const;
+
   void onPlan(const kr3_msgs::MakePlanGoalConstPtr& goal);
-  [[nodiscard]] kr3_msgs::MakePlanResult makePlan(const kr3_msgs::MakePlanGoal& goal);
+  [[nodiscard]] Work startPlanning(const kr3_msgs::MakePlanGoal& goal);
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ReasonerNodeConfig config_;
-  std::mutex mutex_;  // guards reasoner_ and num_plans_
+  std::mutex mutex_;  // guards what follows, down to last_duration_s_
   Reasoner reasoner_;
-  unsigned num_plans_ = 0;
-  std::atomic<bool> cancel_{false};
+  std::shared_ptr<Reasoner> planner_;  // idle, with the history of the last goal; or none
+  std::size_t num_plans_ = 0;
+  std::size_t num_questions_ = 0;
+  std::string last_question_;
+  ros::WallTime last_time_;
+  double last_duration_s_ = 0.0;
+  std::vector<Work> abandoned_;  // of the action server's thread: cancelled, but not ended yet
 
   diagnostic_updater::Updater diagnostics_;
   ros::WallTimer diagnostics_timer_;
-  ros::ServiceServer set_history_;
-  ros::ServiceServer add_records_;
-  ros::ServiceServer entails_;
-  ros::ServiceServer explain_;
-  ros::ServiceServer diagnose_;
-  ros::ServiceServer get_state_;
+  std::vector<ros::ServiceServer> services_;
   PlanServer plan_;
 };
 
