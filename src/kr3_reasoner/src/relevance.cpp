@@ -339,6 +339,10 @@ void Relevance::addGoal(const Formula& goal)
     return;
   }
   addFluent(fluent, {-1, "the goal mentions it"});
+  if (known_.count(fluent) > 0 && changed_.count(fluent) == 0 && !exogenous_[fluent.symbol])
+  {
+    return;  // it is not open now
+  }
   // Where the goal may hold already but need not, an action that depends on it has to tell.
   for (const std::size_t index : rules_.rulesOfFluent(fluent.symbol))
   {
