@@ -4,6 +4,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <unordered_set>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -64,6 +65,7 @@ private:
                                               " contains itself, expected no cycle of sorts"});
       return;
     }
+    std::unordered_set<std::string> known(sort.elements.begin(), sort.elements.end());
     for (const std::string& member : sort.member_sorts)
     {
       const auto found = std::find_if(description_.sorts.begin(), description_.sorts.end(),
@@ -77,7 +79,7 @@ private:
       complete(*found);
       for (const std::string& element : found->elements)
       {
-        if (std::find(sort.elements.begin(), sort.elements.end(), element) == sort.elements.end())
+        if (known.insert(element).second)
         {
           sort.elements.push_back(element);
         }

@@ -475,7 +475,7 @@ bool GroundRules::refuted(const RuleLiteral& literal, const RuleBinding& binding
   }
   if (found == facts_.end())
   {
-    return true;  // it has no value
+    return literal.equal;  // it has no value
   }
   return value != kUnbound && (found->second == value) != literal.equal;
 }

@@ -1,6 +1,7 @@
 #include "scope.hpp"
 
 #include <algorithm>
+#include <unordered_set>
 #include <utility>
 
 #include "check.hpp"
@@ -232,7 +233,8 @@ void Scope::finish()
     std::vector<std::string> common;
     bool first = true;
     bool checkable = !use.sorts.empty();
-    for (const std::string& sort_name : use.sorts)
+    const std::set<std::string> distinct(use.sorts.begin(), use.sorts.end());
+    for (const std::string& sort_name : distinct)
     {
       const Sort* sort = description_.findSort(sort_name);
       if (sort == nullptr || sort->elements.empty())
@@ -246,10 +248,12 @@ void Scope::finish()
       }
       else
       {
-        common.erase(std::remove_if(
-                         common.begin(), common.end(),
-                         [&](const std::string& item) { return !contains(sort->elements, item); }),
-                     common.end());
+        const std::unordered_set<std::string> elements(sort->elements.begin(),
+                                                       sort->elements.end());
+        common.erase(
+            std::remove_if(common.begin(), common.end(),
+                           [&](const std::string& item) { return elements.count(item) == 0; }),
+            common.end());
       }
       first = false;
     }

@@ -147,9 +147,9 @@ public:
     {
       return spares;
     }
-    const std::size_t wanted = distinguishable(horizon);
     for (const auto& [sorts, constants] : alike)
     {
+      const std::size_t wanted = distinguishable(sorts, horizon);
       if (constants.size() <= wanted)
       {
         continue;
@@ -532,38 +532,45 @@ private:
     }
   }
 
-  /// How many constants that are alike a plan can tell apart: those that its actions mention, that
-  /// the variables of one rule stand for, and that fluents have as their values.
-  [[nodiscard]] std::size_t distinguishable(int horizon) const
+  /// How many constants that are alike, elements of these sorts, a plan can tell apart: those that
+  /// its actions mention, that the variables of one rule stand for, and that fluents have as
+  /// values.
+  [[nodiscard]] std::size_t distinguishable(const std::vector<bool>& sorts, int horizon) const
   {
     const Description& description = rules_.description();
+    const auto among = [&](const std::string& sort) { return sorts[rules_.sortIndex(sort)]; };
     std::size_t in_rule = 0;
     for (std::size_t i = 0; i < rule_kept_.size(); ++i)
     {
-      in_rule = std::max(in_rule, rule_kept_[i] ? rules_.rules()[i].in_fluent.size() : 0);
+      const auto& variables = rules_.rules()[i].variable_sorts;
+      const auto count = std::count_if(variables.begin(), variables.end(), [&](const auto& of) {
+        return std::all_of(of.begin(), of.end(), [&](int sort) { return sorts[sort]; });
+      });
+      in_rule = std::max(in_rule, rule_kept_[i] ? static_cast<std::size_t>(count) : 0);
     }
     std::size_t in_action = 0;
+    bool exogenous = false;
     for (std::size_t i = 0; i < action_kept_.size(); ++i)
     {
-      in_action =
-          std::max(in_action, action_kept_[i] ? description.actions[i].argument_sorts.size() : 0);
+      const ActionDeclaration& action = description.actions[i];
+      const auto count =
+          std::count_if(action.argument_sorts.begin(), action.argument_sorts.end(), among);
+      in_action = std::max(in_action, action_kept_[i] ? static_cast<std::size_t>(count) : 0);
+      exogenous = exogenous || (action_kept_[i] && action.exogenous);
     }
     std::size_t values = 0;
     for (std::size_t i = 0; i < fluent_kept_.size(); ++i)
     {
-      std::size_t instances = fluent_kept_[i] && description.fluents[i].value_sort ? 1 : 0;
-      for (const std::string& name : description.fluents[i].argument_sorts)
+      const FluentDeclaration& fluent = description.fluents[i];
+      std::size_t instances =
+          fluent_kept_[i] && fluent.value_sort && among(*fluent.value_sort) ? 1 : 0;
+      for (const std::string& name : fluent.argument_sorts)
       {
         const auto& elements = rules_.elements(rules_.sortIndex(name));
         instances *= std::count_if(elements.begin(), elements.end(),
-                                   [this](ConstantId element) { return needed_[element]; });
+                                   [this](ConstantId element) { return bool{needed_[element]}; });
       }
       values += instances;
-    }
-    bool exogenous = false;
-    for (std::size_t i = 0; i < action_kept_.size(); ++i)
-    {
-      exogenous = exogenous || (action_kept_[i] && description.actions[i].exogenous);
     }
     return in_action * static_cast<std::size_t>(horizon) + in_rule +
            values * (exogenous ? static_cast<std::size_t>(current_step_) + 1 : 1);
