@@ -389,6 +389,17 @@ void bindPlans(py::module_& module)
       .def_readonly("considered", &PlanResult::considered)
       .def_readonly("whole", &PlanResult::whole)
       .def_readonly("widened", &PlanResult::widened);
+  py::class_<RelevantItem>(module, "RelevantItem",
+                           "A constant, fluent or action that can matter to a goal, and why.")
+      .def_readonly("name", &RelevantItem::name)
+      .def_readonly("why", &RelevantItem::why, "from the goal to the item, a sentence a step");
+  py::class_<RelevantPart>(module, "RelevantPart", "What can matter to a goal.")
+      .def_readonly("constants", &RelevantPart::constants)
+      .def_readonly("fluents", &RelevantPart::fluents)
+      .def_readonly("actions", &RelevantPart::actions)
+      .def_readonly("records", &RelevantPart::records)
+      .def_readonly("considered", &RelevantPart::considered)
+      .def_readonly("whole", &RelevantPart::whole);
   py::class_<Cancellation, std::shared_ptr<Cancellation>>(
       module, "Cancellation", "Ends a call of plan from another thread: it raises Cancelled.")
       .def(py::init<>())
@@ -507,6 +518,12 @@ void bindReasoner(py::module_& module)
       .def(
           "translation", [](R& r) { return r.ask([](Reasoner& q) { return q.translation(); }); },
           "The answer set program of the history, for plain clingo.")
+      .def(
+          "relevant",
+          [](R& r, const std::string& goal) {
+    return r.ask([&](Reasoner& q) { return q.relevant(goal); });
+          },
+          py::arg("goal"), "What can matter to a goal, and why.")
       .def(
           "translation",
           [](R& r, const std::string& goal, int length) {

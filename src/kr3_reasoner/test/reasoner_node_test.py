@@ -27,6 +27,7 @@ from kr3_msgs.srv import (
     Entails,
     EntailsRequest,
     ExplainLiteral,
+    FindRelevant,
     FindRetractions,
     GetPossibleValues,
     GetState,
@@ -187,6 +188,14 @@ class ReasonerNodeTest(unittest.TestCase):
         self.assertIn("#show h/3.", translate("", 0).program)
         self.assertIn("_last = _now + 2.", translate("lit(red)", 2).program)
         self.assertEqual(translate("lit(", 2).status.code, Status.INVALID_ARGUMENT)
+
+    def test_tells_what_is_relevant(self):
+        find = service("reasoner/find_relevant", FindRelevant)
+        part = find("lit(red)")
+        self.assertEqual(part.status.code, Status.OK, part.status.message)
+        self.assertNotIn("shows(d)", [item.name for item in part.fluents])
+        self.assertLess(part.considered.fluents, part.whole.fluents)
+        self.assertEqual(find("lit(").status.code, Status.INVALID_ARGUMENT)
 
     def test_plans_with_options(self):
         client = actionlib.SimpleActionClient("reasoner/plan", MakePlanAction)

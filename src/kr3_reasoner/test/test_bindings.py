@@ -110,6 +110,12 @@ def test_plans_and_no_plans_are_results(reasoner):
     assert reasoner.plan("dark").goal_entailed
 
 
+def test_relevance_names_what_matters(reasoner):
+    part = reasoner.relevant("lit(red)")
+    assert "shows(d)" not in [item.name for item in part.fluents]
+    assert part.considered.fluents < part.whole.fluents
+
+
 def test_errors_are_of_one_family_with_codes(reasoner):
     with pytest.raises(kr3.NotFound, match="none.kr3") as error:
         kr3.readDescription("none.kr3")

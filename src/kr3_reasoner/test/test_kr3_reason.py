@@ -142,6 +142,26 @@ def test_plan_and_no_plan_are_answers(history):
     assert answer("plan", LAMPS, "--history", history, "--goal", "dark")["goal_entailed"] is True
 
 
+def test_all_plans_and_costs_are_told(history):
+    ask = ("plan", LAMPS, "--history", history, "--goal", "lit(red) and lit(green)")
+    reply = answer(*ask, "--all")
+    assert sorted(plan["steps"] for plan in reply["plans"]) == [
+        [["flip(left)"], ["flip(right)"]],
+        [["flip(right)"], ["flip(left)"]],
+    ]
+    assert [plan["cost"] for plan in reply["plans"]] == [2.0, 2.0]
+    some = answer(*ask, "--all", "--max-plans", "1")
+    assert (len(some["plans"]), some["complete"]) == (1, False)
+    assert len(answer(*ask, "--cost", "--whole")["plans"]) == 1
+
+
+def test_relevance_leaves_out_what_cannot_matter(history):
+    reply = answer("relevant", LAMPS, "--history", history, "--goal", "lit(red)")
+    names = {item["name"] for item in reply["fluents"]}
+    assert "on(left)" in names and "shows(d)" not in names
+    assert reply["considered"]["fluents"] == len(reply["fluents"]) < reply["whole"]["fluents"]
+
+
 def test_a_program_is_printed_whole(history):
     text = run("translate", LAMPS, "--history", history, "--goal", "lit(red)").stdout
     assert f"% {LAMPS}:" in text and f"% {history}:1" in text
@@ -157,6 +177,7 @@ QUESTIONS = {
     "models": (),
     "diagnose": (),
     "plan": ("--goal", "lit(red)"),
+    "relevant": ("--goal", "lit(red)"),
 }
 
 

@@ -116,11 +116,36 @@ Reply inconsistent(Json json, const Reasoner& reasoner)
   return {std::move(json), false};
 }
 
+Json sizeJson(const ProblemSize& size)
+{
+  return {{"fluents", size.fluents},
+          {"constants", size.constants},
+          {"actions", size.actions},
+          {"records", size.records}};
+}
+
+Json itemsJson(const std::vector<RelevantItem>& items)
+{
+  Json list = Json::array();
+  for (const RelevantItem& item : items)
+  {
+    list.push_back({{"name", item.name}, {"why", item.why}});
+  }
+  return list;
+}
+
 PlanOptions planOptions(const Arguments& arguments)
 {
   constexpr double kMaxSeconds = 1e9;
   PlanOptions options;
   options.max_horizon = arguments.max_horizon;
+  options.preference = arguments.preference == "cheapest" ? PlanPreference::kCheapest
+                       : arguments.preference == "cheapest-shortest"
+                           ? PlanPreference::kCheapestShortest
+                           : PlanPreference::kShortest;
+  options.all = arguments.all;
+  options.max_plans = arguments.max_plans;
+  options.relevant_only = !arguments.whole;
   options.time_limit =
       std::chrono::milliseconds(std::llround(std::min(arguments.time_limit_s, kMaxSeconds) * 1e3));
   return options;
@@ -271,15 +296,39 @@ Reply plan(const Arguments& arguments)
   Json plans = Json::array();
   for (const Plan& found : result.plans)
   {
-    plans.push_back({{"hypothesis", found.hypothesis}, {"steps", found.steps}});
+    plans.push_back(
+        {{"hypothesis", found.hypothesis}, {"cost", found.cost}, {"steps", found.steps}});
   }
   return {{{"goal", arguments.goal},
            {"first_step", reasoner.currentStep()},
            {"goal_entailed", result.goal_entailed},
            {"plans", plans},
+           {"complete", result.complete},
            {"reason", result.reason},
-           {"cpu_s", result.cpu_s}},
+           {"cpu_s", result.cpu_s},
+           {"considered", sizeJson(result.considered)},
+           {"whole", sizeJson(result.whole)},
+           {"widened", result.widened}},
           result.goal_entailed || !result.plans.empty()};
+}
+
+Reply relevant(const Arguments& arguments)
+{
+  const Reasoner reasoner = reasonerFor(arguments);
+  const RelevantPart part = reasoner.relevant(arguments.goal);
+  Json records = Json::array();
+  for (const Record& record : part.records)
+  {
+    records.push_back(recordJson(toString(record), reasoner));
+  }
+  return {{{"goal", arguments.goal},
+           {"constants", itemsJson(part.constants)},
+           {"fluents", itemsJson(part.fluents)},
+           {"actions", itemsJson(part.actions)},
+           {"records", records},
+           {"considered", sizeJson(part.considered)},
+           {"whole", sizeJson(part.whole)}},
+          true};
 }
 
 }  // namespace kr3::reasoner::tool

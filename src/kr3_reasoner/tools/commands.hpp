@@ -28,6 +28,9 @@ struct Arguments
   int length = -1;
   int max_horizon = 12;
   double time_limit_s = 60.0;
+  std::string preference = "shortest";
+  int max_plans = 100;
+  bool whole = false;  ///< plan on the whole description
   std::size_t limit = 10;
   bool all = false;
   bool exit_code = false;
@@ -54,5 +57,6 @@ struct Reply
 [[nodiscard]] Reply models(const Arguments& arguments);
 [[nodiscard]] Reply diagnose(const Arguments& arguments);
 [[nodiscard]] Reply plan(const Arguments& arguments);
+[[nodiscard]] Reply relevant(const Arguments& arguments);
 
 }  // namespace kr3::reasoner::tool

@@ -99,6 +99,26 @@ public:
     addHistory(plan);
     addPrices(plan);
     addPlanning(plan)->required();
+    plan.add_option("--prefer", arguments_.preference,
+                    "which plans: shortest, cheapest-shortest (of the shortest the cheapest), "
+                    "cheapest (up to --max-horizon)")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"shortest", "cheapest-shortest", "cheapest"}));
+    plan.add_flag_callback(
+        "--cost", [this] { arguments_.preference = "cheapest"; }, "the same as --prefer cheapest");
+    plan.add_flag("--all", arguments_.all, "all plans that are equally good");
+    plan.add_option("--max-plans", arguments_.max_plans,
+                    "with --all: at most so many for a hypothesis")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    plan.add_flag("--whole", arguments_.whole,
+                  "plan on the whole description, also on what cannot matter to the goal");
+
+    CLI::App& relevant =
+        add("relevant", "The part of a description and a history that can matter to a goal",
+            tool::relevant, "kr3_reason relevant domain.kr3 --history day.hist --goal \"on(red)\"");
+    addHistory(relevant);
+    relevant.add_option("--goal", arguments_.goal, "a FORMULA over literals")->required();
   }
 
   [[nodiscard]] CLI::App& app() { return app_; }

@@ -150,6 +150,36 @@ std::string diagnoseText(const Json& answer)
   return text;
 }
 
+std::string numberText(const Json& number)
+{
+  std::ostringstream text;
+  text << number.get<double>();
+  return text.str();
+}
+
+/// `12 of 40 fluents`.
+std::string shareText(const Json& answer, const char* what)
+{
+  return answer["considered"][what].dump() + " of " + answer["whole"][what].dump() + " " + what;
+}
+
+std::string relevantText(const Json& answer)
+{
+  std::string text = "What can matter to " + answer["goal"].get<std::string>() + ": " +
+                     shareText(answer, "fluents") + ", " + shareText(answer, "constants") + ", " +
+                     shareText(answer, "actions") + ", " + shareText(answer, "records") + "\n";
+  for (const char* kind : {"constants", "fluents", "actions"})
+  {
+    Json names = Json::array();
+    for (const Json& item : answer[kind])
+    {
+      names.push_back(item["name"]);
+    }
+    text += std::string(kind) + "\n" + wrapped(names, "  ");
+  }
+  return text + (answer["records"].empty() ? "" : "records\n" + recordLines(answer["records"]));
+}
+
 std::string planText(const Json& answer)
 {
   if (answer["goal_entailed"].get<bool>())
@@ -168,7 +198,7 @@ std::string planText(const Json& answer)
     text += (i == 0 ? "" : "\n") + std::string("Plan");
     text += plans.size() == 1 ? ""
                               : " " + std::to_string(i + 1) + " of " + std::to_string(plans.size());
-    text += ", " + counted(plan["steps"].size(), "step");
+    text += ", " + counted(plan["steps"].size(), "step") + ", cost " + numberText(plan["cost"]);
     text +=
         plan["hypothesis"].empty() ? "\n" : ", if " + joined(plan["hypothesis"], " and ") + "\n";
     std::size_t step = answer["first_step"].get<std::size_t>();
@@ -177,7 +207,9 @@ std::string planText(const Json& answer)
       text += "  step " + std::to_string(step++) + ": " + joined(actions, ", ") + "\n";
     }
   }
-  return text;
+  return text + (answer["complete"].get<bool>()
+                     ? ""
+                     : "\nThere are more plans as good as these (--max-plans N)\n");
 }
 
 }  // namespace
@@ -191,6 +223,7 @@ std::string textOf(const Arguments& arguments, const Json& answer)
       {"models", modelsText},
       {"diagnose", diagnoseText},
       {"plan", planText},
+      {"relevant", relevantText},
       {"translate", [](const Json& a) { return a["program"].get<std::string>(); }},
   };
   return kWriters.at(arguments.command)(answer);

@@ -158,6 +158,15 @@ void ReasonerNode::offerAnalyses(ros::NodeHandle& nh)
             ? reasoner_.retractions()
             : reasoner_.retractionsFor(literalOf(request.literal), stepOf(request.step)));
   });
+  serve<kr3_msgs::FindRelevant>(nh, "find_relevant", [this](const auto& request, auto& response) {
+    const RelevantPart part = reasoner_.relevant(checkedText(request.goal, "goal"));
+    response.constants = toMsgs<kr3_msgs::RelevantItem>(part.constants);
+    response.fluents = toMsgs<kr3_msgs::RelevantItem>(part.fluents);
+    response.actions = toMsgs<kr3_msgs::RelevantItem>(part.actions);
+    response.records = toMsgs<kr3_msgs::HistoryRecord>(part.records);
+    response.considered = toMsg(part.considered);
+    response.whole = toMsg(part.whole);
+  });
   serve<kr3_msgs::Translate>(nh, "translate", [this](const auto& request, auto& response) {
     response.program =
         request.goal.empty()
