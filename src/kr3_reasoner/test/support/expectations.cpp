@@ -113,6 +113,25 @@ void expectSameLiterals(const Reasoner& reasoner, const oracle::Answers& answers
   }
 }
 
+/// The conflicting records are inconsistent, and no longer when any of them is left out.
+void expectMinimalConflict(const Diagnosis& diagnosis, const Description& description,
+                           const std::vector<Record>& records, const ReasonerOptions& options)
+{
+  std::vector<Record> conflict;
+  for (const std::size_t i : diagnosis.conflict_records)
+  {
+    conflict.push_back(records[i]);
+  }
+  EXPECT_FALSE(oracle::answersOf(description, conflict, options).consistent);
+  for (std::size_t i = 0; i < conflict.size(); ++i)
+  {
+    std::vector<Record> fewer = conflict;
+    fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
+    EXPECT_TRUE(oracle::answersOf(description, fewer, options).consistent)
+        << toString(conflict[i]) << " is superfluous in the conflict";
+  }
+}
+
 /// Checks one line of expectations but `because`.
 void expectLine(const Reasoner& reasoner, const Diagnosis& diagnosis, const std::string& line)
 {
@@ -209,6 +228,7 @@ bool expectSameAsDefinitions(const Description& description, const std::vector<R
   EXPECT_EQ(diagnosis.consistent, answers.consistent);
   if (!diagnosis.consistent || !answers.consistent)
   {
+    expectMinimalConflict(diagnosis, description, records, options);
     return true;
   }
   EXPECT_EQ(diagnosis.cost, answers.cost);
