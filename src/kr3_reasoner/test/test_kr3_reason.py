@@ -113,6 +113,8 @@ def test_diagnose_prices_what_it_assumes(history):
     reply = answer(*ask, *dark)
     assert reply["cost"] == 1
     assert [e["statements"] for e in reply["explanations"]] == [["init(broken(red), true)"]]
+    (assumption,) = reply["explanations"][0]["assumptions"]
+    assert assumption["price"] == 1 and assumption["defaults"] == ["sound(red)"]
     both = answer(*ask, *dark, "--exogenous")
     assert len(both["explanations"]) == 2
     dear = answer(*ask, *dark, "--exogenous", "--default-weight", "sound=5")

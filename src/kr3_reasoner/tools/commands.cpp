@@ -283,8 +283,18 @@ Reply diagnose(const Arguments& arguments)
   Json explanations = Json::array();
   for (std::size_t i = 0; i < diagnosis.explanations.size(); ++i)
   {
-    explanations.push_back(
-        {{"statements", diagnosis.explanations[i]}, {"in_words", diagnosis.in_words[i]}});
+    Json assumptions = Json::array();
+    for (const Assumption& assumption : diagnosis.alternatives.at(i).assumptions)
+    {
+      assumptions.push_back({{"statement", assumption.statement},
+                             {"in_words", assumption.sentence},
+                             {"price", assumption.price},
+                             {"defaults", assumption.defaults}});
+    }
+    explanations.push_back({{"statements", diagnosis.explanations[i]},
+                            {"in_words", diagnosis.in_words[i]},
+                            {"price", diagnosis.alternatives[i].price},
+                            {"assumptions", assumptions}});
   }
   return {{{"consistent", true}, {"cost", diagnosis.cost}, {"explanations", explanations}}, true};
 }
