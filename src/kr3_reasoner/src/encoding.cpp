@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <map>
 #include <set>
 
 namespace kr3::reasoner
@@ -56,6 +58,49 @@ std::string operatorText(Comparison::Operator op)
       return ">=";
   }
   return "=";
+}
+
+/// How often each variable stands in a body.
+std::map<std::string, int> variableUses(const Body& body)
+{
+  std::map<std::string, int> uses;
+  const auto use = [&](const Term& term) {
+    if (term.is_variable)
+    {
+      ++uses[term.name];
+    }
+  };
+  for (const Condition& condition : body)
+  {
+    if (const auto* literal = std::get_if<Literal>(&condition))
+    {
+      std::for_each(literal->atom.arguments.begin(), literal->atom.arguments.end(), use);
+      use(literal->value);
+    }
+    else if (const auto* comparison = std::get_if<Comparison>(&condition))
+    {
+      use(comparison->left);
+      use(comparison->right);
+    }
+    else
+    {
+      use(std::get<Membership>(condition).term);
+    }
+  }
+  return uses;
+}
+
+std::set<std::string> variablesOf(const std::vector<Term>& terms)
+{
+  std::set<std::string> names;
+  for (const Term& term : terms)
+  {
+    if (term.is_variable)
+    {
+      names.insert(term.name);
+    }
+  }
+  return names;
 }
 
 std::string tuple(const std::vector<std::string>& items)
@@ -143,32 +188,93 @@ std::string Encoding::literal(const Literal& literal, const std::string& step) c
   return holds(other) + ", " + other + " != " + literal.value.name;
 }
 
+std::string Encoding::condition(const Condition& condition, const std::string& step) const
+{
+  if (const auto* part = std::get_if<Literal>(&condition))
+  {
+    return literal(*part, step);
+  }
+  if (const auto* comparison = std::get_if<Comparison>(&condition))
+  {
+    return comparison->left.name + " " + operatorText(comparison->op) + " " +
+           comparison->right.name;
+  }
+  const auto& membership = std::get<Membership>(condition);
+  return (membership.negated ? "not sort(" : "sort(") + membership.sort + "," +
+         membership.term.name + ")";
+}
+
 std::string Encoding::body(const Body& body, const std::string& step) const
 {
   std::string text;
-  for (const Condition& condition : body)
+  for (const Condition& part : body)
   {
-    text += ", ";
-    if (const auto* part = std::get_if<Literal>(&condition))
-    {
-      text += literal(*part, step);
-    }
-    else if (const auto* comparison = std::get_if<Comparison>(&condition))
-    {
-      text +=
-          comparison->left.name + " " + operatorText(comparison->op) + " " + comparison->right.name;
-    }
-    else
-    {
-      const auto& membership = std::get<Membership>(condition);
-      text += (membership.negated ? "not sort(" : "sort(") + membership.sort + "," +
-              membership.term.name + ")";
-    }
+    text += ", " + condition(part, step);
   }
   return text;
 }
 
-std::string Encoding::signature() const
+/// The fluent has another value than this one, one step before: a negation, which keeps the number
+/// of ground rules linear. Only what refers to the step before may be said so: in a rule within one
+/// step it would not be founded.
+std::string Encoding::differs(const Literal& literal, const Term& value) const
+{
+  const std::string fluent = term(literal.atom);
+  return "basic(" + fluent + "), not h(" + fluent + "," + value.name + ",t-1)";
+}
+
+/// Guards and body at t-1. `F != V`, and `F = V` with `V != W` where V stands nowhere else, are
+/// said by negation. @param used  variables that stand outside the body, too
+std::string Encoding::conditionsBefore(const Body& body, const Guards& guards,
+                                       const std::set<std::string>& used) const
+{
+  const auto isFunctional = [&](const Literal& literal) {
+    const FluentDeclaration& fluent = *description_.findFluent(literal.atom.name);
+    return fluent.value_sort && fluent.kind != FluentKind::kStatic;
+  };
+  const std::map<std::string, int> uses = variableUses(body);
+  const auto comparedOnly = [&](const Literal& literal) {
+    return literal.equal && isFunctional(literal) && literal.value.is_variable &&
+           used.count(literal.value.name) == 0 && uses.at(literal.value.name) == 2;
+  };
+  std::vector<bool> done(body.size(), false);
+  std::set<std::string> gone;
+  std::string text;
+  for (std::size_t i = 0; i < body.size(); ++i)
+  {
+    const auto* comparison = std::get_if<Comparison>(&body[i]);
+    if (comparison == nullptr || comparison->op != Comparison::Operator::kNotEqual)
+    {
+      continue;
+    }
+    for (std::size_t j = 0; j < body.size() && !done[i]; ++j)
+    {
+      const auto* part = std::get_if<Literal>(&body[j]);
+      if (part == nullptr || done[j] || !comparedOnly(*part) ||
+          (comparison->left == part->value) == (comparison->right == part->value))
+      {
+        continue;
+      }
+      const bool left = comparison->left == part->value;
+      text += ", " + differs(*part, left ? comparison->right : comparison->left);
+      gone.insert(part->value.name);
+      done[i] = done[j] = true;
+    }
+  }
+  for (std::size_t i = 0; i < body.size(); ++i)
+  {
+    const auto* part = std::get_if<Literal>(&body[i]);
+    if (!done[i])
+    {
+      text += ", " + (part != nullptr && !part->equal && isFunctional(*part)
+                          ? differs(*part, part->value)
+                          : condition(body[i], "t-1"));
+    }
+  }
+  return guards.text(gone) + text;
+}
+
+std::string Encoding::vocabulary() const
 {
   std::string text;
   for (const Sort& sort : description_.sorts)
@@ -188,17 +294,10 @@ std::string Encoding::signature() const
     }
     else if (fluent.kind != FluentKind::kStatic)
     {
-      text += "fv(" + open.term + "," + (fluent.value_sort ? "_V" : "(false;true)") + ") :- #true" +
-              open.guards + (fluent.value_sort ? ", sort(" + *fluent.value_sort + ",_V)" : "") +
-              ".\n";
+      // a fluent whose values all went is no fluent
+      text += "basic(" + open.term + ") :- #true" + open.guards +
+              (fluent.value_sort ? ", sort(" + *fluent.value_sort + ",_)" : "") + ".\n";
     }
-  }
-  text += "basic(_F) :- fv(_F,_).\n";  // a fluent whose values all went is no fluent
-  for (const ActionDeclaration& action : description_.actions)
-  {
-    const OpenAtom open(action.name, action.argument_sorts);
-    text +=
-        (action.exogenous ? "exog(" : "agent(") + open.term + ") :- #true" + open.guards + ".\n";
   }
   for (const Literal& fact : description_.static_facts)
   {
@@ -219,11 +318,37 @@ std::string Encoding::signature() const
     }
   }
   text += unequalRules();
-  text +=
-      "#defined sort/2. #defined defined/1. #defined fv/2. #defined agent/1. "
-      "#defined exog/1. "
-      "#defined st/2. #defined occ/2. #defined imp/2.\n";
-  return text;
+  return text +
+         "#defined sort/2. #defined defined/1. #defined basic/1. #defined st/2. #defined "
+         "watched/2.\n";
+}
+
+std::string Encoding::values() const
+{
+  std::string text;
+  for (const FluentDeclaration& fluent : description_.fluents)
+  {
+    if (fluent.kind != FluentKind::kStatic && fluent.kind != FluentKind::kDefined)
+    {
+      const OpenAtom open(fluent.name, fluent.argument_sorts);
+      text += "fv(" + open.term + "," + (fluent.value_sort ? "_V" : "(false;true)") + ") :- #true" +
+              open.guards + (fluent.value_sort ? ", sort(" + *fluent.value_sort + ",_V)" : "") +
+              ".\n";
+    }
+  }
+  return text + "#defined fv/2.\n";
+}
+
+std::string Encoding::actions() const
+{
+  std::string text;
+  for (const ActionDeclaration& action : description_.actions)
+  {
+    const OpenAtom open(action.name, action.argument_sorts);
+    text +=
+        (action.exogenous ? "exog(" : "agent(") + open.term + ") :- #true" + open.guards + ".\n";
+  }
+  return text + "#defined agent/1. #defined exog/1. #defined occ/2. #defined imp/2.\n";
 }
 
 bool Encoding::dependsOn(const std::string& fluent, const std::string& other) const
@@ -308,7 +433,12 @@ std::string Encoding::unequalRules() const
 
 std::string Encoding::state() const
 {
-  std::string text = ":- basic(_F), not 1 { h(_F,_V,t) : fv(_F,_V) } 1.\n";
+  return ":- basic(_F), not 1 { h(_F,_V,t) : fv(_F,_V) } 1.\n" + constraints();
+}
+
+std::string Encoding::constraints() const
+{
+  std::string text;
   if (!unequalRules().empty())
   {
     text += "ne(_F,_V,t) :- watched(_F,_V), h(_F,_W,t), _W != _V.\n:- ne(_F,_V,t), h(_F,_V,t).\n";
@@ -359,8 +489,11 @@ std::string Encoding::lawRules(const CausalLaw& law, std::size_t index) const
     {
       Guards here = guards;
       here.literal({effect.fluent, effect.value, true});
+      std::set<std::string> used = variablesOf(law.action.arguments);
+      used.merge(variablesOf(effect.fluent.arguments));
+      used.merge(variablesOf({effect.value}));
       text += "h(" + term(effect.fluent) + "," + effect.value.name + ",t) :- " + fired +
-              here.text() + body(law.body, "t-1") + ".\n";
+              conditionsBefore(law.body, here, used) + ".\n";
     }
     return text;
   }
@@ -386,7 +519,10 @@ std::string Encoding::lawRules(const CausalLaw& law, std::size_t index) const
   const std::string number = std::to_string(index);
   const std::string keys = tuple(key.variables());
   const std::string fire = "fire(" + number + "," + keys + "," + term(law.action) + ",t)";
-  text += fire + " :- " + fired + key.text() + guards.text() + body(law.body, "t-1") + ".\n";
+  const std::vector<std::string> key_variables = key.variables();
+  std::set<std::string> used(key_variables.begin(), key_variables.end());
+  used.merge(variablesOf(law.action.arguments));
+  text += fire + " :- " + fired + key.text() + conditionsBefore(law.body, guards, used) + ".\n";
   for (std::size_t i = 0; i < law.outcomes.size(); ++i)
   {
     const std::string label = number + "," + std::to_string(i) + "," + keys;
@@ -417,42 +553,101 @@ std::string Encoding::lawRules(const CausalLaw& law, std::size_t index) const
   return text;
 }
 
-std::string Encoding::executabilityRules(const Executability& rule) const
+std::string Encoding::executabilityRules(const Executability& rule, std::size_t index) const
 {
+  if (rule.actions.size() != 1)
+  {
+    return "";
+  }
+  // A condition with a variable of its own is said apart: `impossible grasp(R, O) if in_hand(R,
+  // O2)` has then as many ground rules as objects, not as pairs of objects.
+  std::string text = comment(rule.position);
+  Guards guards(description_);
+  const auto* atom = std::get_if<Atom>(&rule.actions[0]);
+  const std::string only = atom != nullptr ? term(*atom) : std::get<Term>(rule.actions[0]).name;
+  const std::set<std::string> used = variablesOf(
+      atom != nullptr ? atom->arguments : std::vector<Term>{std::get<Term>(rule.actions[0])});
+  const std::map<std::string, int> uses = variableUses(rule.body);
+  Body together;
+  std::string apart;
+  for (std::size_t i = 0; i < rule.body.size(); ++i)
+  {
+    const auto* literal = std::get_if<Literal>(&rule.body[i]);
+    std::vector<Term> terms;
+    if (literal != nullptr)
+    {
+      terms = literal->atom.arguments;
+      terms.push_back(literal->value);
+    }
+    std::vector<std::string> shared;
+    bool has_own = false;
+    for (const std::string& variable : variablesOf(terms))
+    {
+      const bool own = used.count(variable) == 0 && uses.at(variable) == 1;
+      has_own = has_own || own;
+      if (!own)
+      {
+        shared.push_back(variable);
+      }
+    }
+    if (!has_own)
+    {
+      together.push_back(rule.body[i]);
+      continue;
+    }
+    Guards own_guards(description_);
+    own_guards.literal(*literal);
+    const std::string some =
+        "some(" + std::to_string(index) + "," + std::to_string(i) + "," + tuple(shared) + ",t-1)";
+    text += some + " :- #true" + own_guards.text() + ", " + condition(rule.body[i], "t-1") + ".\n";
+    apart += ", " + some;
+  }
+  guards.body(together);
+  if (atom != nullptr)
+  {
+    guards.action(*atom);
+  }
+  return text + "imp(" + only + ",t-1) :- " + (atom != nullptr ? "#true" : "agent(" + only + ")") +
+         conditionsBefore(together, guards, used) + apart + ".\n";
+}
+
+/// Actions that may not occur together.
+std::string Encoding::exclusionRules(const Executability& rule) const
+{
+  if (rule.actions.size() == 1)
+  {
+    return "";
+  }
   if (isPairwiseExclusion(rule))
   {
     return comment(rule.position) + ":- 2 { occ(_A,t-1) : agent(_A) }.\n";
   }
   Guards guards(description_);
   guards.body(rule.body);
+  std::set<std::string> used;
   std::string occurrences;
   for (const auto& action : rule.actions)
   {
     if (const auto* atom = std::get_if<Atom>(&action))
     {
       guards.action(*atom);
+      used.merge(variablesOf(atom->arguments));
       occurrences += ", occ(" + term(*atom) + ",t-1)";
     }
     else
     {
       const std::string variable = std::get<Term>(action).name;
+      used.insert(variable);
       occurrences += ", occ(" + variable + ",t-1), agent(" + variable + ")";
     }
   }
-  const std::string conditions = guards.text() + body(rule.body, "t-1") + ".\n";
-  if (rule.actions.size() == 1)
-  {
-    const auto* atom = std::get_if<Atom>(&rule.actions[0]);
-    const std::string only = atom != nullptr ? term(*atom) : std::get<Term>(rule.actions[0]).name;
-    return comment(rule.position) + "imp(" + only + ",t-1) :- " +
-           (atom != nullptr ? "#true" : "agent(" + only + ")") + conditions;
-  }
-  return comment(rule.position) + ":- #true" + occurrences + conditions;
+  return comment(rule.position) + ":- #true" + occurrences +
+         conditionsBefore(rule.body, guards, used) + ".\n";
 }
 
-std::string Encoding::transition() const
+std::string Encoding::effects() const
 {
-  std::string text = "{ h(_F,_V,t) } :- h(_F,_V,t-1), basic(_F).\n";
+  std::string text;
   if (!unequalRules().empty())
   {
     text += "{ ne(_F,_V,t) } :- ne(_F,_V,t-1).\n";  // f != v stays as it was, too
@@ -463,10 +658,40 @@ std::string Encoding::transition() const
   }
   for (const Executability& rule : description_.executabilities)
   {
-    text += executabilityRules(rule);
+    text += exclusionRules(rule);
   }
-  text += ":- occ(_A,t-1), imp(_A,t-1).\n";
   return text;
+}
+
+std::string Encoding::executability() const
+{
+  std::string text;
+  for (std::size_t i = 0; i < description_.executabilities.size(); ++i)
+  {
+    text += executabilityRules(description_.executabilities[i], i);
+  }
+  return text;
+}
+
+std::string Encoding::prices() const
+{
+  constexpr double kMilli = 1000.0;
+  std::string text;
+  for (const ActionCost& cost : description_.costs)
+  {
+    Guards guards(description_);
+    guards.action(cost.action).body(cost.body);
+    text += comment(cost.position) + "price(" + term(cost.action) + "," +
+            std::to_string(std::lround(cost.cost * kMilli)) + ",t-1) :- #true" + guards.text() +
+            body(cost.body, "t-1") + ".\n";
+  }
+  return text;
+}
+
+std::string Encoding::transition() const
+{
+  return "{ h(_F,_V,t) } :- h(_F,_V,t-1), basic(_F).\n" + effects() + executability() +
+         ":- occ(_A,t-1), imp(_A,t-1).\n";
 }
 
 std::string Encoding::anyState()
@@ -550,12 +775,12 @@ Encoding::Guards& Encoding::Guards::shared(const Guards& other, const Guards& kn
   return *this;
 }
 
-std::string Encoding::Guards::text() const
+std::string Encoding::Guards::text(const std::set<std::string>& without) const
 {
   std::string text;
   for (const auto& [variable, sorts] : sorts_)
   {
-    for (const std::string& sort : sorts)
+    for (const std::string& sort : without.count(variable) > 0 ? std::vector<std::string>{} : sorts)
     {
       text += ", sort(" + sort + "," + variable + ")";
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,14 +23,29 @@ public:
   explicit Encoding(const Description& description) : description_(description) {}
 
   /// Sorts, fluents with their values, statics, actions (part `base`).
-  [[nodiscard]] std::string signature() const;
+  [[nodiscard]] std::string signature() const { return vocabulary() + values() + actions(); }
 
-  /// State constraints and definitions at step t (part `state(t)`).
+  /// Its parts: sorts, fluents and statics; the values of fluents; actions.
+  [[nodiscard]] std::string vocabulary() const;
+  [[nodiscard]] std::string values() const;
+  [[nodiscard]] std::string actions() const;
+
+  /// State constraints and definitions at step t, and that every fluent has one value (part
+  /// `state(t)`).
   [[nodiscard]] std::string state() const;
 
   /// Causal laws, inertia and executability from t-1 to t (part `trans(t)`). `imp(A, t-1)`: A is
   /// impossible at t-1.
   [[nodiscard]] std::string transition() const;
+
+  /// What is particular to the description in `state()` and `transition()`: all of them but that
+  /// fluents have one value, that they keep it, and that what is impossible does not occur.
+  [[nodiscard]] std::string constraints() const;
+  [[nodiscard]] std::string effects() const;
+  [[nodiscard]] std::string executability() const;
+
+  /// `price(A, C, t-1)`: an occurrence of A at t-1 costs at least C thousandths (part `trans(t)`).
+  [[nodiscard]] std::string prices() const;
 
   /// `1 { h(F, V, 0) } 1` for every fluent that is not defined.
   [[nodiscard]] static std::string anyState();
@@ -63,7 +79,12 @@ private:
   [[nodiscard]] std::string stateBody(const StateConstraint& constraint) const;
   [[nodiscard]] std::string unequalRules() const;
   [[nodiscard]] std::string lawRules(const CausalLaw& law, std::size_t index) const;
-  [[nodiscard]] std::string executabilityRules(const Executability& rule) const;
+  [[nodiscard]] std::string executabilityRules(const Executability& rule, std::size_t index) const;
+  [[nodiscard]] std::string exclusionRules(const Executability& rule) const;
+  [[nodiscard]] std::string condition(const Condition& condition, const std::string& step) const;
+  [[nodiscard]] std::string differs(const Literal& literal, const Term& value) const;
+  [[nodiscard]] std::string conditionsBefore(const Body& body, const Guards& guards,
+                                             const std::set<std::string>& used) const;
 
   const Description& description_;
 };
@@ -82,8 +103,8 @@ public:
   /// Adds the variables of `other` that are in `known` too.
   Guards& shared(const Guards& other, const Guards& known);
 
-  /// `, sort(place, P), ...`
-  [[nodiscard]] std::string text() const;
+  /// `, sort(place, P), ...`, but not for the variables of `without`.
+  [[nodiscard]] std::string text(const std::set<std::string>& without = {}) const;
 
   /// The variables seen, in the order of their names.
   [[nodiscard]] std::vector<std::string> variables() const;

@@ -3,9 +3,6 @@
 namespace kr3::reasoner
 {
 
-namespace
-{
-
 std::vector<std::vector<std::string>> argumentTuples(const std::vector<std::string>& sorts,
                                                      const Description& description)
 {
@@ -26,7 +23,7 @@ std::vector<std::vector<std::string>> argumentTuples(const std::vector<std::stri
   return tuples;
 }
 
-std::string nameOf(const std::string& symbol, const std::vector<std::string>& arguments)
+std::string groundName(const std::string& symbol, const std::vector<std::string>& arguments)
 {
   Atom atom;
   atom.name = symbol;
@@ -36,8 +33,6 @@ std::string nameOf(const std::string& symbol, const std::vector<std::string>& ar
   }
   return toString(atom);
 }
-
-}  // namespace
 
 std::vector<GroundFluent> groundFluents(const Description& description)
 {
@@ -58,7 +53,7 @@ std::vector<GroundFluent> groundFluents(const Description& description)
     for (const auto& arguments : argumentTuples(declared.argument_sorts, description))
     {
       fluents.push_back(
-          {nameOf(declared.name, arguments), declared.name, arguments, values, declared.kind});
+          {groundName(declared.name, arguments), declared.name, arguments, values, declared.kind});
     }
   }
   return fluents;
@@ -70,7 +65,7 @@ std::vector<std::string> groundActions(const ActionDeclaration& action,
   std::vector<std::string> actions;
   for (const auto& arguments : argumentTuples(action.argument_sorts, description))
   {
-    actions.push_back(nameOf(action.name, arguments));
+    actions.push_back(groundName(action.name, arguments));
   }
   return actions;
 }
