@@ -70,4 +70,16 @@ std::vector<std::string> groundActions(const ActionDeclaration& action,
   return actions;
 }
 
+Literal literalOf(const GroundFluent& fluent, const std::string& value)
+{
+  Literal literal;
+  literal.atom.name = fluent.symbol;
+  for (const std::string& argument : fluent.arguments)
+  {
+    literal.atom.arguments.push_back({false, argument});
+  }
+  literal.value.name = value;
+  return literal;
+}
+
 }  // namespace kr3::reasoner

@@ -24,4 +24,7 @@ namespace kr3::reasoner
 [[nodiscard]] std::vector<std::string> groundActions(const ActionDeclaration& action,
                                                      const Description& description);
 
+/// `fluent = value`.
+[[nodiscard]] Literal literalOf(const GroundFluent& fluent, const std::string& value);
+
 }  // namespace kr3::reasoner

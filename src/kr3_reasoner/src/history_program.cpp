@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace kr3::reasoner
 {
@@ -20,7 +21,7 @@ cn(_F,_V) :- lit(_F,_V), c(_F,_W), _W != _V.
 c(_F,false) :- cn(_F,true), bool(_F).
 c(_F,true) :- cn(_F,false), bool(_F).
 :- c(_F,_V), cn(_F,_V).
-:- basic(_F), 2 { c(_F,_V) : fv(_F,_V) }.
+:- c(_F,_V), c(_F,_W), _V < _W.
 % A default fires when its body is in the closure and the contrary of its head is not.
 contrary(_D) :- hd(_D,_F,_V,pos), cn(_F,_V).
 contrary(_D) :- hd(_D,_F,_V,neg), c(_F,_V).
@@ -32,6 +33,11 @@ abducible(no(_F,_V)) :- hd(_,_F,_V,pos).
 abducible(yes(_F,_V)) :- hd(_,_F,_V,neg).
 cn(_F,_V) :- ab(no(_F,_V)).
 c(_F,_V) :- ab(yes(_F,_V)).
+#defined free/2. #defined init/2. #defined initn/2. #defined hd/4. #defined dbody/1. #defined better/2. #defined bool/1.
+#defined weight/2. #defined doubt/2. #defined c/2. #defined cn/2. #defined lit/2. #defined price/2.
+)";
+
+const char* const kInitialStateRules = R"(
 { ab(_X) } :- abducible(_X).
 % The initial state is any complete state that contains the closure.
 1 { h(_F,_V,0) : fv(_F,_V) } 1 :- basic(_F).
@@ -39,8 +45,6 @@ c(_F,_V) :- ab(yes(_F,_V)).
 :- cn(_F,_V), h(_F,_V,0).
 :- c(_F,true), defined(_F), not h(_F,true,0).
 :- c(_F,false), defined(_F), h(_F,true,0).
-#defined free/2. #defined init/2. #defined initn/2. #defined hd/4. #defined dbody/1. #defined better/2. #defined bool/1.
-#defined weight/2. #defined doubt/2. #defined c/2. #defined cn/2. #defined lit/2.
 #show h/3. #show ab/1. #show st/2.
 )";
 
@@ -115,6 +119,47 @@ std::string variableTuple(const Encoding::Guards& guards)
 HistoryProgram::HistoryProgram(const Description& description, const ReasonerOptions& options)
   : description_(description), options_(options), encoding_(description)
 {
+}
+
+Dynamics& HistoryProgram::dynamics(bool exogenous) const
+{
+  std::unique_ptr<Dynamics>& kept = exogenous ? exogenous_dynamics_ : dynamics_;
+  if (!kept)
+  {
+    kept = std::make_unique<Dynamics>(description_, exogenous);
+  }
+  return *kept;
+}
+
+std::shared_ptr<Closure> HistoryProgram::closureFor(const std::vector<CheckedRecord>& records) const
+{
+  std::vector<std::string> statements;
+  std::set<std::string> seen;
+  for (const CheckedRecord& record : records)
+  {
+    const std::string statement = initialStatement(record);
+    if (!statement.empty() && seen.insert(statement).second)
+    {
+      statements.push_back(statement);
+    }
+  }
+  if (!closure_ || !closure_->covers(statements))
+  {
+    closure_ = std::make_shared<Closure>(encoding_.vocabulary() + closure(), std::move(statements));
+  }
+  return closure_;
+}
+
+std::string HistoryProgram::initialStatement(const CheckedRecord& record) const
+{
+  const Literal& literal = record.literal;
+  if (record.isAction() || record.record.step != 0 ||
+      description_.findFluent(literal.atom.name)->kind == FluentKind::kStatic)
+  {
+    return "";
+  }
+  return (literal.equal ? "init(" : "initn(") + Encoding::term(literal.atom) + "," +
+         literal.value.name + ")";
 }
 
 std::string HistoryProgram::closureLiteral(const Literal& open, const std::string& layer) const
@@ -348,9 +393,10 @@ std::string HistoryProgram::recordRules(const std::vector<CheckedRecord>& record
     const Literal& literal = checked.literal;
     const std::string pair = Encoding::term(literal.atom) + "," + literal.value.name;
     const FluentDeclaration& fluent = *description_.findFluent(literal.atom.name);
-    if (checked.record.step == 0 && fluent.kind != FluentKind::kStatic)
+    const std::string initial = initialStatement(checked);
+    if (!initial.empty())
     {
-      text += (literal.equal ? "init(" : "initn(") + pair + ") :- " + holds + ".\n";
+      text += initial + " :- " + holds + ".\n";
     }
     if (fluent.kind == FluentKind::kDefined)
     {
@@ -373,7 +419,7 @@ std::string HistoryProgram::recordRules(const std::vector<CheckedRecord>& record
 
 void HistoryProgram::addTo(Solver& solver) const
 {
-  solver.add("base", {}, encoding_.signature() + closure());
+  solver.add("base", {}, encoding_.signature() + closure() + kInitialStateRules);
   solver.add("state", {"t"}, encoding_.state());
   solver.add("trans", {"t"}, encoding_.transition());
   solver.add("exo", {"t"}, kExogenousRules);
@@ -407,11 +453,11 @@ void HistoryProgram::groundBound(Solver& solver, const Price& price)
 std::string HistoryProgram::text(const std::vector<CheckedRecord>& records,
                                  const Assumable& assumable) const
 {
-  return "#program base.\n" + encoding_.signature() + closure() + "\n#program state(t).\n" +
-         encoding_.state() + "\n#program trans(t).\n" + encoding_.transition() +
-         "\n#program exo(t).\n" + kExogenousRules + "\n#program minimize.\n" + kMinimizeRules +
-         "\n#program bound(r,a).\n" + kBoundRules + "\n#program records.\n" +
-         recordRules(records, assumable, false);
+  return "#program base.\n" + encoding_.signature() + closure() + kInitialStateRules +
+         "\n#program state(t).\n" + encoding_.state() + "\n#program trans(t).\n" +
+         encoding_.transition() + "\n#program exo(t).\n" + kExogenousRules +
+         "\n#program minimize.\n" + kMinimizeRules + "\n#program bound(r,a).\n" + kBoundRules +
+         "\n#program records.\n" + recordRules(records, assumable, false);
 }
 
 }  // namespace kr3::reasoner

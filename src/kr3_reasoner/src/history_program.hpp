@@ -1,9 +1,11 @@
 #pragma once
 
-#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "closure.hpp"
+#include "dynamics.hpp"
 #include "encoding.hpp"
 #include "history.hpp"
 #include "kr3_reasoner/language.hpp"
@@ -37,7 +39,19 @@ struct Price
 class HistoryProgram
 {
 public:
+  /// @param description  must outlive the program
   HistoryProgram(const Description& description, const ReasonerOptions& options);
+
+  [[nodiscard]] const Description& description() const { return description_; }
+  [[nodiscard]] const ReasonerOptions& options() const { return options_; }
+
+  /// What is grounded once and kept; made when it is first asked for.
+  [[nodiscard]] Dynamics& dynamics(bool exogenous) const;
+  [[nodiscard]] std::shared_ptr<Closure> closureFor(
+      const std::vector<CheckedRecord>& records) const;
+
+  /// What a record says to the closure: `init(F,V)`, `initn(F,V)`, or nothing.
+  [[nodiscard]] std::string initialStatement(const CheckedRecord& record) const;
 
   /// The program's parts that do not depend on the history.
   void addTo(Solver& solver) const;
@@ -69,6 +83,10 @@ private:
   const Description& description_;
   ReasonerOptions options_;
   Encoding encoding_;
+  mutable std::unique_ptr<Dynamics> dynamics_;            // without exogenous actions
+  mutable std::unique_ptr<Dynamics> exogenous_dynamics_;  // with them
+  // Shared: a history that was unrolled keeps its closure when other records need another one.
+  mutable std::shared_ptr<Closure> closure_;
 };
 
 }  // namespace kr3::reasoner

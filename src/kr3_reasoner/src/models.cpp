@@ -1,6 +1,10 @@
 #include "models.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
 
 #include <kr3_common/error.hpp>
 
@@ -10,50 +14,245 @@ namespace kr3::reasoner
 namespace
 {
 
-std::optional<Price> minimalPrice(const HistoryProgram& program,
-                                  const std::vector<CheckedRecord>& records, int current_step,
-                                  const Assumable& assumable)
+using Records = std::vector<CheckedRecord>;
+
+/// A history in a solver of its own.
+struct SolvedHistory
 {
-  Solver solver({"0", "--opt-strategy=usc", "--warn=none"});
-  program.addTo(solver);
-  program.groundHistory(solver, records, current_step, assumable);
-  solver.ground({{"minimize", {}}});
-  std::optional<Price> best;
-  for (const Clingo::Model& model : solver.control().solve())
+  SolvedHistory(const HistoryProgram& program, const Records& records, int current_step,
+                const UnrolledHistory::Mode& mode, const std::vector<std::string>& arguments,
+                AtomComponents* components = nullptr)
+    : solver(arguments)
   {
-    const std::vector<std::int64_t> cost = model.cost();
-    // clingo leaves a level out when nothing can be paid there
-    Price price;
-    const auto priorities = model.priorities();
-    for (std::size_t i = 0; i < cost.size(); ++i)
-    {
-      (priorities[i] == 2 ? price.retractions : price.assumptions) = static_cast<int>(cost[i]);
-    }
-    best = price;
+    RuleSink sink(solver.control(), components);
+    history = std::make_unique<UnrolledHistory>(program, records, current_step, mode, sink);
+    is_constant = sink.numRules() == 0;
   }
-  return best;
+
+  /// With minimal explanations only.
+  SolvedHistory(const HistoryProgram& program, const Records& records, int current_step,
+                const Optimum& optimum, const std::vector<std::string>& arguments)
+    : SolvedHistory(program, records, current_step,
+                    UnrolledHistory::Mode{optimum.assumable,
+                                          optimum.settled ? &*optimum.settled : nullptr, false},
+                    arguments)
+  {
+    RuleSink sink(solver.control());
+    history->bound(optimum.price, sink);
+  }
+
+  [[nodiscard]] bool isConsistent()
+  {
+    return is_constant || solver.control().solve().get().is_satisfiable();
+  }
+
+  Solver solver;
+  std::unique_ptr<UnrolledHistory> history;
+  bool is_constant = false;  ///< nothing is left to solve
+};
+
+std::vector<SolverLiteral> literalsOf(const std::vector<AssumedLiteral>& assumptions)
+{
+  std::vector<SolverLiteral> literals;
+  for (const AssumedLiteral& assumption : assumptions)
+  {
+    literals.push_back(assumption.literal);
+  }
+  return literals;
 }
 
-// That an impossible attempt failed has no price: it follows, and explains nothing.
-const char* const kAssumedRules = R"(
-assumed(_X) :- ab(_X), weight(_X,_).
-assumed(_X) :- ab(_X), doubt(_X,_).
-#show assumed/1.
-)";
-
-Literal positive(const Literal& literal)
+/// The open atoms of these literals, each once.
+std::vector<Clingo::atom_t> openAtoms(const std::vector<SolverLiteral>& literals)
 {
-  Literal equal = literal;
-  equal.equal = true;
-  return equal;
+  std::vector<Clingo::atom_t> atoms;
+  std::unordered_set<SolverLiteral> seen;
+  for (const SolverLiteral literal : literals)
+  {
+    if (!isConstant(literal) && seen.insert(std::abs(literal)).second)
+    {
+      atoms.push_back(static_cast<Clingo::atom_t>(std::abs(literal)));
+    }
+  }
+  return atoms;
+}
+
+std::vector<SolverLiteral> stateLiterals(const UnrolledHistory& history)
+{
+  std::vector<SolverLiteral> literals;
+  for (int step = 0; step <= history.currentStep(); ++step)
+  {
+    const StateLiterals& state = history.state(step);
+    literals.insert(literals.end(), state.begin(), state.end());
+  }
+  return literals;
+}
+
+bool isTrue(SolverLiteral literal, const Clingo::Model& model)
+{
+  return isConstant(literal) ? literal == kTrueLiteral : model.is_true(literal);
+}
+
+std::vector<Clingo::Symbol> assumedIn(const Clingo::Model& model, const UnrolledHistory& history)
+{
+  std::vector<Clingo::Symbol> assumed;
+  for (const AssumedLiteral& assumption : history.assumptions())
+  {
+    if (isTrue(assumption.literal, model))
+    {
+      assumed.push_back(assumption.what);
+    }
+  }
+  std::sort(assumed.begin(), assumed.end());
+  return assumed;
+}
+
+/// Calls visit(model) for each model that differs in these literals, until it returns false.
+template <typename Visit>
+void forEachModel(SolvedHistory& solved, const std::vector<SolverLiteral>& literals,
+                  const Visit& visit)
+{
+  const std::vector<Clingo::atom_t> atoms = openAtoms(literals);
+  solved.solver.control().with_backend([&](Clingo::Backend& backend) {
+    backend.project({atoms.data(), atoms.size()});
+  });
+  for (const Clingo::Model& model : solved.solver.control().solve())
+  {
+    if (!visit(model))
+    {
+      break;
+    }
+  }
+}
+
+/// The assumptions that a minimal explanation may make; nothing when the history is inconsistent.
+///
+/// Where the program falls into independent components, such as objects that nothing moves, one
+/// that is consistent without assumptions makes none in a minimal explanation.
+std::optional<SettledAssumptions> candidates(const HistoryProgram& program, const Records& records,
+                                             int current_step, const Assumable& assumable)
+{
+  AtomComponents components;
+  SolvedHistory solved(program, records, current_step, UnrolledHistory::Mode{assumable},
+                       {"1", "--warn=none"}, &components);
+  std::unordered_map<AtomComponents::Atom, std::vector<SolverLiteral>> denials;
+  for (const AssumedLiteral& assumption : solved.history->assumptions())
+  {
+    if (!isConstant(assumption.literal))
+    {
+      const auto atom = static_cast<AtomComponents::Atom>(assumption.literal);
+      denials[components.representative(atom)].push_back(-assumption.literal);
+    }
+  }
+  std::unordered_set<AtomComponents::Atom> suspected;
+  bool consistent = false;
+  for (const Clingo::Model& model : solved.solver.control().solve())
+  {
+    consistent = true;
+    for (const auto& [component, literals] : denials)
+    {
+      if (std::any_of(literals.begin(), literals.end(),
+                      [&](SolverLiteral denied) { return model.is_true(-denied); }))
+      {
+        suspected.insert(component);
+      }
+    }
+  }
+  if (!consistent)
+  {
+    return std::nullopt;
+  }
+  std::unordered_set<AtomComponents::Atom> needed;
+  for (const AtomComponents::Atom component : suspected)
+  {
+    const std::vector<SolverLiteral>& denied = denials.at(component);
+    const bool free =
+        solved.solver.control()
+            .solve(Clingo::LiteralSpan(denied.data(), denied.size()), nullptr, false, false)
+            .get()
+            .is_satisfiable();
+    if (!free)
+    {
+      needed.insert(component);
+    }
+  }
+  SettledAssumptions open;
+  for (const AssumedLiteral& assumption : solved.history->assumptions())
+  {
+    if (!isConstant(assumption.literal) &&
+        needed.count(
+            components.representative(static_cast<AtomComponents::Atom>(assumption.literal))) > 0)
+    {
+      open.emplace(assumption.what, PartialEvaluator::kOpen);
+    }
+  }
+  return open;
+}
+
+/// The minimal price of a history when this may be assumed, and what minimal explanations assume.
+std::optional<Optimum> minimalPrice(const HistoryProgram& program, const Records& records,
+                                    int current_step, const Assumable& assumable)
+{
+  const auto open = candidates(program, records, current_step, assumable);
+  if (!open)
+  {
+    return std::nullopt;
+  }
+  SolvedHistory solved(program, records, current_step,
+                       UnrolledHistory::Mode{assumable, &*open, false},
+                       {"0", "--opt-strategy=usc", "--warn=none"});
+  {
+    RuleSink sink(solved.solver.control());
+    solved.history->minimize(sink);
+  }
+  bool consistent = false;
+  Optimum optimum{assumable, {}, 0, SettledAssumptions{}};
+  for (const Clingo::Model& model : solved.solver.control().solve())
+  {
+    consistent = true;
+    optimum.price = {};
+    for (const AssumedLiteral& assumption : solved.history->assumptions())
+    {
+      if (isTrue(assumption.literal, model))
+      {
+        (assumption.is_retraction ? optimum.price.retractions : optimum.price.assumptions) +=
+            assumption.price;
+      }
+    }
+  }
+  if (!consistent)
+  {
+    return std::nullopt;
+  }
+  {
+    RuleSink sink(solved.solver.control());
+    solved.history->bound(optimum.price, sink);
+  }
+  solved.solver.configure("solve.opt_mode", "ignore");
+  const LiteralTruths truths(solved.solver, literalsOf(solved.history->assumptions()));
+  for (const AssumedLiteral& assumption : solved.history->assumptions())
+  {
+    if (truths.inSome(assumption.literal))
+    {
+      optimum.settled->emplace(assumption.what, truths.inAll(assumption.literal)
+                                                    ? kTrueLiteral
+                                                    : PartialEvaluator::kOpen);
+    }
+  }
+  return optimum;
 }
 
 }  // namespace
 
-std::optional<Optimum> findOptimum(const HistoryProgram& program,
-                                   const std::vector<CheckedRecord>& records, int current_step,
-                                   bool exogenous_first, const ExplanationStart& start)
+std::optional<Optimum> findOptimum(const HistoryProgram& program, const Records& records,
+                                   int current_step, bool exogenous_first,
+                                   const ExplanationStart& start)
 {
+  // Most histories need no assumption; then nothing that could be assumed has to be looked at.
+  const Optimum none{{}, {}, start.level, SettledAssumptions{}};
+  if (SolvedHistory(program, records, current_step, none, {"1", "--warn=none"}).isConsistent())
+  {
+    return none;
+  }
   const bool uncertain = start.uncertain || std::any_of(records.begin(), records.end(),
                                                         [](const CheckedRecord& checked) {
     return !checked.isAction() && checked.record.confidence < 1.0;
@@ -70,207 +269,162 @@ std::optional<Optimum> findOptimum(const HistoryProgram& program,
   }
   for (auto level = static_cast<std::size_t>(start.level); level < levels.size(); ++level)
   {
-    if (const auto price = minimalPrice(program, records, current_step, levels[level]))
+    if (auto optimum = minimalPrice(program, records, current_step, levels[level]))
     {
-      return Optimum{levels[level], *price, static_cast<int>(level)};
+      optimum->level = static_cast<int>(level);
+      return optimum;
     }
   }
   return std::nullopt;
 }
 
-Consequences::Consequences(const Description& description, const HistoryProgram& program,
-                           const std::vector<CheckedRecord>& records, int current_step,
-                           const Optimum& optimum)
-  : description_(description)
+Consequences::Consequences(const Description& /*description*/, const HistoryProgram& program,
+                           const Records& records, int current_step, const Optimum& optimum)
 {
-  Solver solver({"0", "--warn=none"});
-  program.addTo(solver);
-  program.groundHistory(solver, records, current_step, optimum.assumable);
-  HistoryProgram::groundBound(solver, optimum.price);
-  const auto read = [&](const char* mode) {
-    solver.configure("solve.enum_mode", mode);
-    SymbolSet symbols;
-    for (const Clingo::Model& model : solver.control().solve())
-    {
-      const auto shown = model.symbols(Clingo::ShowType::Shown);
-      symbols = SymbolSet(shown.begin(), shown.end());  // the last is the answer
-    }
-    return symbols;
-  };
-  all_ = read("cautious");
-  some_ = read("brave");
+  SolvedHistory solved(program, records, current_step, optimum, {"0", "--warn=none"});
+  truths_ = LiteralTruths(solved.solver, stateLiterals(*solved.history));
+  history_ = std::move(solved.history);
 }
 
-bool Consequences::has(const SymbolSet& set, const std::string& atom)
+bool Consequences::inAll(const Literal& literal, int step) const
 {
-  return set.count(Clingo::parse_term(atom.c_str())) > 0;
-}
-
-bool Consequences::inAll(const Literal& open, int step) const
-{
-  const Literal literal = normalized(open, description_);
-  if (!literal.equal)
-  {
-    return !inSome(positive(literal), step);
-  }
-  const FluentDeclaration& fluent = *description_.findFluent(literal.atom.name);
-  const std::string term = Encoding::term(literal.atom);
-  if (!fluent.value_sort && fluent.kind == FluentKind::kDefined && literal.value.name == "false")
-  {
-    return !has(some_, "h(" + term + ",true," + std::to_string(step) + ")");
-  }
-  if (fluent.kind == FluentKind::kStatic)
-  {
-    return !fluent.value_sort && literal.value.name == "false"
-               ? !has(some_, "st(" + term + ",true)")
-               : has(all_, "st(" + term + "," + literal.value.name + ")");
-  }
-  return has(all_, "h(" + term + "," + literal.value.name + "," + std::to_string(step) + ")");
+  return truths_.inAll(history_->literal(literal, step));
 }
 
 bool Consequences::inSome(const Literal& literal, int step) const
 {
-  const Literal normal = normalized(literal, description_);
-  const FluentDeclaration& fluent = *description_.findFluent(normal.atom.name);
-  const std::string term = Encoding::term(normal.atom);
-  if (normal.equal && fluent.kind != FluentKind::kStatic &&
-      (fluent.kind != FluentKind::kDefined || normal.value.name == "true"))
+  return truths_.inSome(history_->literal(literal, step));
+}
+
+StateLiterals Consequences::known(int step, StateLiterals state) const
+{
+  const StateLiterals& own = history_->state(step);
+  for (std::size_t i = 0; i < history_->dynamics().numValues(); ++i)
   {
-    return has(some_, "h(" + term + "," + normal.value.name + "," + std::to_string(step) + ")");
+    if (truths_.inAll(own[i]))
+    {
+      state[i] = kTrueLiteral;
+    }
+    else if (!truths_.inSome(own[i]))
+    {
+      state[i] = kFalseLiteral;
+    }
   }
-  if (normal.equal && fluent.kind == FluentKind::kStatic)
-  {
-    return inAll(normal, step);
-  }
-  // f != v is possible unless f = v is in all models; so is the falsity of a defined fluent.
-  Literal opposite = normal;
-  if (normal.equal)
-  {
-    opposite.value.name = "true";
-  }
-  opposite.equal = true;
-  return !inAll(opposite, step);
+  return state;
 }
 
 std::vector<std::vector<Clingo::Symbol>> explanationsOf(const HistoryProgram& program,
-                                                        const std::vector<CheckedRecord>& records,
-                                                        int current_step, const Optimum& optimum)
+                                                        const Records& records, int current_step,
+                                                        const Optimum& optimum)
 {
   constexpr std::size_t kMaxExplanations = 200;
   if (optimum.price.assumptions == 0 && optimum.price.retractions == 0)
   {
     return {{}};
   }
-  Solver solver({"0", "--project=project", "--warn=none"});
-  program.addTo(solver);
-  solver.add("project", {}, std::string(kAssumedRules) + "#project assumed/1.\n");
-  program.groundHistory(solver, records, current_step, optimum.assumable);
-  solver.ground({{"project", {}}});
-  HistoryProgram::groundBound(solver, optimum.price);
+  SolvedHistory solved(program, records, current_step, optimum,
+                       {"0", "--project=project", "--warn=none"});
   std::vector<std::vector<Clingo::Symbol>> explanations;
-  for (const Clingo::Model& model : solver.control().solve())
-  {
-    std::vector<Clingo::Symbol> explanation;
-    for (const Clingo::Symbol& symbol : model.symbols(Clingo::ShowType::Shown))
-    {
-      if (symbol.match("assumed", 1))
-      {
-        explanation.push_back(symbol.arguments()[0]);
-      }
-    }
-    std::sort(explanation.begin(), explanation.end());
-    explanations.push_back(std::move(explanation));
-    if (explanations.size() == kMaxExplanations)
-    {
-      break;
-    }
-  }
+  forEachModel(solved, literalsOf(solved.history->assumptions()), [&](const Clingo::Model& model) {
+    explanations.push_back(assumedIn(model, *solved.history));
+    return explanations.size() < kMaxExplanations;
+  });
   std::sort(explanations.begin(), explanations.end());
   return explanations;
 }
 
-std::vector<SymbolicModel> modelsOf(const HistoryProgram& program,
-                                    const std::vector<CheckedRecord>& records, int current_step,
-                                    const Optimum& optimum, std::size_t limit)
+std::vector<SymbolicModel> modelsOf(const HistoryProgram& program, const Records& records,
+                                    int current_step, const Optimum& optimum, std::size_t limit)
 {
-  Solver solver({std::to_string(limit), "--project=project", "--warn=none"});
-  program.addTo(solver);
-  solver.add("project", {},
-             std::string(kAssumedRules) + "#project assumed/1. #project h/3. #show occ/2.\n");
-  program.groundHistory(solver, records, current_step, optimum.assumable);
-  solver.ground({{"project", {}}});
-  HistoryProgram::groundBound(solver, optimum.price);
+  SolvedHistory solved(program, records, current_step, optimum,
+                       {std::to_string(limit), "--project=project", "--warn=none"});
+  const UnrolledHistory& history = *solved.history;
+  const Dynamics& dynamics = history.dynamics();
+  std::vector<SolverLiteral> literals = stateLiterals(history);
+  const std::vector<SolverLiteral> assumed = literalsOf(history.assumptions());
+  literals.insert(literals.end(), assumed.begin(), assumed.end());
   std::vector<SymbolicModel> models;
-  for (const Clingo::Model& model : solver.control().solve())
-  {
+  forEachModel(solved, literals, [&](const Clingo::Model& model) {
     SymbolicModel read;
-    for (const Clingo::Symbol& symbol : model.symbols(Clingo::ShowType::Shown))
+    read.assumed = assumedIn(model, history);
+    for (int step = 0; step <= current_step; ++step)
     {
-      if (symbol.match("assumed", 1))
+      for (std::size_t f = 0; f < dynamics.fluents().size(); ++f)
       {
-        read.assumed.push_back(symbol.arguments()[0]);
-      }
-      else if (symbol.match("h", 3))
-      {
-        read.holds.push_back(symbol);
-      }
-      else if (symbol.match("occ", 2))
-      {
-        read.occurs.push_back(symbol);
+        const GroundFluent& fluent = dynamics.fluents()[f];
+        for (std::size_t v = 0; v < fluent.values.size(); ++v)
+        {
+          const SolverLiteral literal = history.state(step)[dynamics.firstValue(f) + v];
+          const bool is_atom = fluent.kind != FluentKind::kDefined || v == 1;
+          if (is_atom && isTrue(literal, model))
+          {
+            read.holds.push_back(
+                Clingo::Function("h", {toSymbol(fluent.symbol, fluent.arguments),
+                                       toSymbol(fluent.values[v]), Clingo::Number(step)}));
+          }
+        }
       }
     }
-    std::sort(read.assumed.begin(), read.assumed.end());
+    for (int step = 0; step < current_step; ++step)
+    {
+      const std::vector<SolverLiteral>& occurs = history.occurrences(step);
+      for (std::size_t a = 0; a < occurs.size(); ++a)
+      {
+        if (isTrue(occurs[a], model))
+        {
+          read.occurs.push_back(
+              Clingo::Function("occ", {dynamics.actions()[a].symbol, Clingo::Number(step)}));
+        }
+      }
+    }
     std::sort(read.occurs.begin(), read.occurs.end());
     models.push_back(std::move(read));
-  }
+    return true;
+  });
   return models;
 }
 
-std::vector<std::string> firingDefaults(const HistoryProgram& program,
-                                        const std::vector<CheckedRecord>& records, int current_step,
-                                        const Optimum& optimum, const Atom& fluent)
+std::vector<std::string> firingDefaults(const HistoryProgram& program, const Records& records,
+                                        int current_step, const Optimum& optimum,
+                                        const Atom& fluent)
 {
-  Solver solver({"0", "--enum-mode=cautious", "--warn=none"});
-  program.addTo(solver);
-  const std::string head = Encoding::term(fluent);
-  solver.add(
-      "show", {},
-      "applied(_N) :- fires(_D), _D = d(_N,_), hd(_D," + head + ",_,_).\n" + "#show applied/1.\n");
-  program.groundHistory(solver, records, current_step, optimum.assumable);
-  solver.ground({{"show", {}}});
-  HistoryProgram::groundBound(solver, optimum.price);
-  std::vector<std::string> names;
-  for (const Clingo::Model& model : solver.control().solve())
+  SolvedHistory solved(program, records, current_step, optimum, {"0", "--warn=none"});
+  const auto defaults = solved.history->defaultsAbout(toSymbol(fluent));
+  std::vector<SolverLiteral> literals;
+  for (const UnrolledHistory::FiringDefault& rule : defaults)
   {
-    names.clear();
-    for (const Clingo::Symbol& symbol : model.symbols(Clingo::ShowType::Shown))
+    literals.push_back(rule.literal);
+  }
+  const LiteralTruths truths(solved.solver, literals);
+  std::vector<std::string> names;
+  for (const UnrolledHistory::FiringDefault& rule : defaults)
+  {
+    if (truths.inAll(rule.literal))
     {
-      if (symbol.match("applied", 1))
-      {
-        names.push_back(toText(symbol.arguments()[0]));
-      }
+      names.push_back(toText(rule.name));
     }
   }
   std::sort(names.begin(), names.end());
   return names;
 }
 
-std::vector<std::size_t> minimalConflict(const HistoryProgram& program,
-                                         const std::vector<CheckedRecord>& records,
+std::vector<std::size_t> minimalConflict(const HistoryProgram& program, const Records& records,
                                          int current_step)
 {
-  Solver solver({"1", "--warn=none"});
-  program.addTo(solver);
-  program.groundHistory(solver, records, current_step, {true, true}, true);
+  SolvedHistory solved(program, records, current_step,
+                       UnrolledHistory::Mode{{true, true}, nullptr, true}, {"1", "--warn=none"});
+  const std::vector<SolverLiteral>& switches = solved.history->switches();
   std::vector<bool> kept(records.size(), true);
   const auto consistent = [&] {
+    std::vector<SolverLiteral> assumed;
     for (std::size_t i = 0; i < records.size(); ++i)
     {
-      solver.control().assign_external(
-          Clingo::Function("rec", {Clingo::Number(static_cast<int>(i))}),
-          kept[i] ? Clingo::TruthValue::True : Clingo::TruthValue::False);
+      assumed.push_back(kept[i] ? switches[i] : -switches[i]);
     }
-    return solver.control().solve().get().is_satisfiable();
+    return solved.solver.control()
+        .solve(Clingo::LiteralSpan(assumed.data(), assumed.size()), nullptr, false, false)
+        .get()
+        .is_satisfiable();
   };
   // Whatever is not needed for the conflict goes, one record after the other.
   for (std::size_t i = 0; i < records.size(); ++i)

@@ -3,20 +3,24 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <unordered_set>
 #include <vector>
 
 #include "history_program.hpp"
+#include "literal_truths.hpp"
+#include "unrolled_history.hpp"
 
 namespace kr3::reasoner
 {
 
-/// The explanation level of a history: which kinds of assumption it takes, and their minimal price.
+/// The explanation level of a history: which kinds of assumption it takes, their minimal price, and
+/// what minimal explanations assume.
 struct Optimum
 {
   Assumable assumable;
   Price price;
   int level = 0;  ///< how many kinds of assumption did not suffice, see findOptimum
+  /// Nothing: not known, so that all that is assumable may be assumed.
+  std::optional<SettledAssumptions> settled = std::nullopt;
 };
 
 /// Where to begin with the kinds of assumption, when a history is explained in independent parts:
@@ -46,14 +50,13 @@ public:
   [[nodiscard]] bool inAll(const Literal& literal, int step) const;
   [[nodiscard]] bool inSome(const Literal& literal, int step) const;
 
+  /// The state of another solver's program for the same history, with constants where a value holds
+  /// in all or in no models.
+  [[nodiscard]] StateLiterals known(int step, StateLiterals state) const;
+
 private:
-  using SymbolSet = std::unordered_set<Clingo::Symbol>;
-
-  [[nodiscard]] static bool has(const SymbolSet& set, const std::string& atom);
-
-  const Description& description_;
-  SymbolSet all_;
-  SymbolSet some_;
+  std::unique_ptr<UnrolledHistory> history_;
+  LiteralTruths truths_;
 };
 
 /// The minimal explanations, each a sorted list of the X that are assumed at a price.

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <atomic>
-#include <chrono>
+#include <memory>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -10,6 +9,8 @@
 
 #include "kr3_reasoner/transition_system.hpp"
 #include "models.hpp"
+#include "solve_watch.hpp"
+#include "unrolled_history.hpp"
 
 namespace kr3::reasoner
 {
@@ -19,13 +20,6 @@ using PlanSteps = std::vector<std::vector<std::string>>;
 
 /// Values of the open fluents, in their order: the fluent and its value.
 using OpenValues = std::vector<std::pair<std::string, std::string>>;
-
-/// When a search has to end.
-struct SearchLimit
-{
-  std::chrono::steady_clock::time_point deadline;
-  const std::atomic<bool>* cancel = nullptr;
-};
 
 /// What a plan is looked for in. All must outlive the search.
 struct PlanningProblem
@@ -114,39 +108,82 @@ public:
   static constexpr int kMaxStates = 2000;
 
 private:
-  using Assumptions = std::vector<Clingo::literal_t>;
+  using Assumptions = std::vector<SolverLiteral>;
+
+  /// What one step of the plan adds. All by the number of the action.
+  struct Step
+  {
+    std::vector<SolverLiteral> planned;
+    std::vector<std::vector<ActionPrice>> prices;
+    SolverLiteral busy = kFalseLiteral;
+  };
+
+  /// A price that is paid for an action of the plan when `literal` is true.
+  struct Payment
+  {
+    int step;
+    long cost_milli;
+    SolverLiteral literal;
+  };
 
   void findOpenFluents();
-  void build(const Formula& goal, int max_length);
-  [[nodiscard]] std::string dependencies() const;
-  [[nodiscard]] std::string costRules() const;
+  void findTests(const Formula& goal);
+  [[nodiscard]] bool tests(const Dynamics::Action& action, const Literal& condition,
+                           const Atom& pattern, const GroundFluent& fluent) const;
+  [[nodiscard]] SolverLiteral goalAt(const Formula& goal, const StateLiterals& state,
+                                     RuleSink& sink) const;
+  void addStep(RuleSink& sink);
+  [[nodiscard]] std::vector<SolverLiteral> addActions(const StateLiterals& before, RuleSink& sink);
+  void addPayments(const StateLiterals& before, RuleSink& sink);
+  void addQuery(RuleSink& sink);
+  void addQuality(RuleSink& sink) const;
 
-  Clingo::literal_t literal(Clingo::Symbol symbol);
-  Clingo::literal_t newGuard();
-  void addConstraint(Clingo::literal_t guard, const std::vector<Clingo::literal_t>& literals);
-  [[nodiscard]] Assumptions fixed(const PlanSteps& steps, std::size_t upto);
-  void assume(Assumptions& assumptions, const OpenValues& values);
+  void checkLimit() const;
+  [[nodiscard]] SolverLiteral newGuard();
+  void addConstraint(std::vector<SolverLiteral> literals);
+  [[nodiscard]] Assumptions fixed(const PlanSteps& steps, std::size_t upto) const;
+  void assume(Assumptions& assumptions, const OpenValues& values) const;
+  [[nodiscard]] SolverLiteral valueAt(const GroundFluent& fluent, const std::string& value,
+                                      std::size_t step) const;
   bool solve(const Assumptions& assumptions, bool optimize = false);
+  void read(const Clingo::Model& model);
   std::optional<Proposal> proposal(Assumptions assumptions, int length);
-  Clingo::literal_t above(const char* part, long bound, int length);
-  [[nodiscard]] OpenValues state() const;
+  [[nodiscard]] SolverLiteral costsMore(long cost_milli, int length);
+  [[nodiscard]] SolverLiteral hasMoreActions(std::size_t number, int length);
+  [[nodiscard]] SolverLiteral sumAbove(long bound,
+                                       const std::vector<Clingo::WeightedLiteral>& weighted);
 
   const PlanningProblem& problem_;
+  const Formula& goal_;
   PlanQuality quality_;
-  SearchLimit limit_;
-  Encoding encoding_;
   Solver solver_;
-  int length_ = 0;
+  SolveWatch watch_;
+  std::unique_ptr<UnrolledHistory> history_;
+  Dynamics& dynamics_;
   bool has_costs_ = false;
-  Clingo::literal_t searching_ = 0;
+  std::vector<int> agent_actions_;
+  std::vector<char> tests_;  // by action: whether it tests an open fluent of the goal
   std::vector<GroundFluent> open_;
+  std::vector<int> open_numbers_;
   std::unordered_map<std::string, std::size_t> open_index_;
-  Clingo::SymbolVector symbols_;
-};
 
-/// Rules by which `root` is true at the step `n` exactly when a formula is; the part has the
-/// parameter n.
-[[nodiscard]] std::string formulaRules(const Formula& formula, const Description& description,
-                                       const std::string& root);
+  // By step of the plan; states_ has one more.
+  std::vector<StateLiterals> states_;
+  std::vector<Step> steps_;
+  std::vector<Payment> payments_;
+  std::vector<SolverLiteral> fails_;    // by length
+  std::vector<SolverLiteral> queries_;  // by length
+  SolverLiteral goal_now_ = kFalseLiteral;
+  SolverLiteral broken_ = kFalseLiteral;
+  SolverLiteral tested_ = kFalseLiteral;
+  SolverLiteral searching_ = kFalseLiteral;
+
+  // The last model.
+  OpenValues state_;
+  PlanSteps planned_;
+  std::vector<Payment> paid_;
+  std::vector<SolverLiteral> watched_;  // literals whose truth is read, too
+  std::vector<char> watched_truths_;
+};
 
 }  // namespace kr3::reasoner

@@ -6,6 +6,7 @@
 
 #include <kr3_common/error.hpp>
 
+#include "formula_rules.hpp"
 #include "ground_fluents.hpp"
 #include "relaxed_reach.hpp"
 

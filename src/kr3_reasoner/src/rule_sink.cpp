@@ -1,0 +1,162 @@
+#include "rule_sink.hpp"
+
+#include <algorithm>
+
+namespace kr3::reasoner
+{
+
+namespace
+{
+
+Clingo::LiteralSpan span(const RuleSink::Body& body)
+{
+  return {body.data(), body.size()};
+}
+
+}  // namespace
+
+bool RuleSink::simplify(Body& body)
+{
+  if (std::find(body.begin(), body.end(), kFalseLiteral) != body.end())
+  {
+    return false;
+  }
+  body.erase(std::remove(body.begin(), body.end(), kTrueLiteral), body.end());
+  return true;
+}
+
+SolverLiteral RuleSink::newChoice()
+{
+  const SolverLiteral atom = newAtom();
+  rule(true, atom, {});
+  return atom;
+}
+
+void RuleSink::rule(bool choice, SolverLiteral head, Body body)
+{
+  if (simplify(body))
+  {
+    const auto atom = static_cast<Clingo::atom_t>(head);
+    backend_.rule(choice, {&atom, 1}, span(body));
+    body.push_back(head);
+    note(body);
+  }
+}
+
+void RuleSink::constraint(Body body)
+{
+  if (simplify(body))
+  {
+    backend_.rule(false, {}, span(body));
+    note(body);
+  }
+}
+
+SolverLiteral RuleSink::conjunction(Body body)
+{
+  if (!simplify(body))
+  {
+    return kFalseLiteral;
+  }
+  if (body.empty())
+  {
+    return kTrueLiteral;
+  }
+  if (body.size() == 1)
+  {
+    return body.front();
+  }
+  const SolverLiteral both = newAtom();
+  rule(false, both, std::move(body));
+  return both;
+}
+
+SolverLiteral RuleSink::disjunction(const Body& literals)
+{
+  Body open;
+  for (const SolverLiteral literal : literals)
+  {
+    if (literal == kTrueLiteral)
+    {
+      return kTrueLiteral;
+    }
+    if (literal != kFalseLiteral)
+    {
+      open.push_back(literal);
+    }
+  }
+  if (open.size() < 2)
+  {
+    return open.empty() ? kFalseLiteral : open.front();
+  }
+  const SolverLiteral any = newAtom();
+  for (const SolverLiteral literal : open)
+  {
+    rule(false, any, {literal});
+  }
+  return any;
+}
+
+void RuleSink::weightRule(bool choice, const std::vector<Clingo::atom_t>& head, int bound,
+                          const std::vector<Clingo::WeightedLiteral>& body)
+{
+  backend_.weight_rule(choice, {head.data(), head.size()}, bound, {body.data(), body.size()});
+  Body literals(head.begin(), head.end());
+  for (const Clingo::WeightedLiteral& weighted : body)
+  {
+    literals.push_back(weighted.literal());
+  }
+  note(literals);
+}
+
+void RuleSink::disjunctiveRule(const Body& heads, const Body& body)
+{
+  const std::vector<Clingo::atom_t> atoms(heads.begin(), heads.end());
+  backend_.rule(false, {atoms.data(), atoms.size()}, span(body));
+  Body literals = heads;
+  literals.insert(literals.end(), body.begin(), body.end());
+  note(literals);
+}
+
+void RuleSink::note(const Body& literals)
+{
+  ++num_rules_;
+  if (components_ != nullptr)
+  {
+    components_->join(literals);
+  }
+}
+
+void RuleSink::atLeastOne(Body literals)
+{
+  for (SolverLiteral& literal : literals)
+  {
+    literal = -literal;
+  }
+  constraint(std::move(literals));
+}
+
+void RuleSink::atMostOne(const Body& literals)
+{
+  if (literals.size() == 2)
+  {
+    constraint(literals);
+  }
+  else if (literals.size() > 2)
+  {
+    std::vector<Clingo::WeightedLiteral> weighted;
+    weighted.reserve(literals.size());
+    for (const SolverLiteral literal : literals)
+    {
+      weighted.emplace_back(literal, 1);
+    }
+    weightRule(false, {}, 2, weighted);
+  }
+}
+
+void RuleSink::minimize(int priority, const std::vector<Clingo::WeightedLiteral>& literals)
+{
+  backend_.minimize(priority, {literals.data(), literals.size()});
+}
+
+}  // namespace kr3::reasoner
