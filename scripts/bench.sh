@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Measure a part of KR3 against its goals: bench.sh reasoner [--quick] [--json FILE]
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# shellcheck source=scripts/build.sh
+source "$root/scripts/build.sh"
+
+part=${1:-}
+[ $# -gt 0 ] && shift
+case "$part" in
+  reasoner)
+    case " $* " in *" --help "* | *" -h "*) ;; *) build_workspace ;; esac
+    enter_workspace
+    exec /usr/bin/python3 -B "$root/src/kr3_reasoner/bench/bench_reasoner.py" \
+      --binary "$workspace/devel/lib/kr3_reasoner/reasoner_bench" "$@"
+    ;;
+  *)
+    fail "unknown benchmark '$part', expected: reasoner"
+    ;;
+esac
