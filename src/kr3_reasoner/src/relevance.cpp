@@ -171,6 +171,7 @@ void Relevance::addRecord(std::size_t record)
   const Origin origin{-1, toString(checked.record) + " mentions it"};
   if (checked.isAction())
   {
+    occurrences_.at(record).asked = true;
     for (const GroundAtom& fluent : occurrences_.at(record).fluents)
     {
       addFluent(fluent, origin);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
@@ -140,9 +141,10 @@ private:
   struct Occurrence
   {
     std::vector<GroundAtom> fluents;
-    bool joined = false;
+    bool joined = false;  ///< its fluents are relevant
+    bool asked = false;   ///< by its record
   };
-  std::unordered_map<std::size_t, Occurrence> occurrences_;  // by record
+  std::map<std::size_t, Occurrence> occurrences_;  // by record
   std::unordered_map<GroundAtom, std::vector<std::size_t>, GroundAtomHash> occurrences_of_;
 
   std::vector<std::function<void()>> tasks_;  // kept: those that rest on constant values run again

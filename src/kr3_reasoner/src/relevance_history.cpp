@@ -222,7 +222,8 @@ bool Relevance::concerns(std::size_t record) const
   if (checked.isAction())
   {
     const Occurrence& occurrence = occurrences_.at(record);
-    return std::any_of(occurrence.fluents.begin(), occurrence.fluents.end(),
+    return occurrence.asked ||
+           std::any_of(occurrence.fluents.begin(), occurrence.fluents.end(),
                        [this](const GroundAtom& fluent) { return isRelevant(fluent); });
   }
   return isRelevant(rules_.ground(checked.literal.atom, false));

@@ -162,6 +162,13 @@ std::optional<Slice> Slicer::forRest(const Formula& goal) const
     if (!relevance.concerns(i) && !relevance.isPlainFact(i))
     {
       rest.addRecord(i);
+      for (std::size_t j = 0; records_[i].isAction() && j < records_.size(); ++j)
+      {
+        if (records_[j].isAction() && records_[j].record.step == records_[i].record.step)
+        {
+          rest.addRecord(j);  // they may exclude each other
+        }
+      }
       any = true;
     }
   }

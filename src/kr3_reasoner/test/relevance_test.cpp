@@ -131,6 +131,31 @@ TEST(Relevance, NoticesAnInconsistencyElsewhere)
   EXPECT_NE(result.reason.find("b3"), std::string::npos);
 }
 
+// Such an action touches no fluent at all.
+TEST(Relevance, NoticesARecordedActionThatIsNeverPossible)
+{
+  Reasoner reasoner(parseDescription(R"(
+sorts
+  lamp = {red, green}.
+statics
+  wired(lamp).
+facts
+  wired(red).
+fluents
+  inertial on(lamp).
+actions
+  press(lamp).
+  look(lamp).
+axioms
+  press(L) causes on(L).
+  impossible look(L) if -wired(L).
+)",
+                                     "lamps"));
+  reasoner.setHistory(parseHistory("init(on(red), false). hpd(look(green), 0).", "history",
+                                   reasoner.description()));
+  EXPECT_NE(reasoner.plan("on(red)").reason.find("inconsistent"), std::string::npos);
+}
+
 TEST(Relevance, ASurpriseElsewhereChangesNothing)
 {
   const Reasoner reasoner = library(6, 4, "hpd(move(rob1, r0), 0). obs(loc(b3) = r0, false, 1).");
