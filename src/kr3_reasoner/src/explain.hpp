@@ -1,16 +1,68 @@
 #pragma once
 
+#include <set>
+#include <string>
 #include <vector>
 
-#include "models.hpp"
+#include "proof_writer.hpp"
 
 namespace kr3::reasoner
 {
 
-/// Why an entailed literal holds at a step. The records cited are a minimal set that suffices.
-[[nodiscard]] Explanation explained(const Description& description, const ReasonerOptions& options,
-                                    const HistoryProgram& program,
-                                    const std::vector<CheckedRecord>& records,
-                                    const Optimum& optimum, const Literal& literal, int step);
+/// Explains what a history entails (DESIGN.md 3.2 point 10). Private to the package.
+///
+/// The minimal explanations E with the closures of what is known initially (worlds) come from the
+/// solver. In one world entailment is monotonic, so a proof is found by propagation and cut down
+/// to what it needs; each assumption is justified by the contradiction that the history without it
+/// leads to. The solver then checks that the records cited suffice and that none is superfluous.
+class Explainer
+{
+public:
+  /// All must outlive this object.
+  /// @param check  may be nullptr for justify()
+  Explainer(const Description& description, const Words& words, const Instances& instances,
+            const std::vector<CheckedRecord>& records, int current_step, HistoryCheck* check)
+    : description_(description)
+    , words_(words)
+    , instances_(instances)
+    , records_(records)
+    , current_step_(current_step)
+    , check_(check)
+  {
+  }
+
+  /// @param literal  entailed at `step`
+  [[nodiscard]] Explanation explain(const Literal& literal, int step);
+
+  /// Fills in which records call for each assumption of a minimal explanation.
+  void justify(ExplanationAlternative& alternative, const std::vector<Clingo::Symbol>& assumed);
+
+private:
+  /// A proof in one world, or in several.
+  struct Argument
+  {
+    Reason root;
+    std::set<std::size_t> records;
+    std::set<std::string> defaults;
+  };
+  using Kept = std::vector<bool>;
+
+  [[nodiscard]] std::optional<Argument> argue(const Kept& kept, const Literal& literal, int step);
+  [[nodiscard]] std::optional<Argument> argueIn(const Kept& kept, const InitialWorld& world,
+                                                const Literal& literal, int step);
+  [[nodiscard]] std::optional<Argument> necessity(const Kept& kept, const InitialWorld& world,
+                                                  std::size_t assumption, const Atom& fluent);
+  [[nodiscard]] Argument together(const Kept& kept, const Literal& literal, int step);
+  void complete(Argument& argument, const Kept& kept, const Literal& literal, int step);
+  [[nodiscard]] Kept only(const std::set<std::size_t>& records) const;
+  [[nodiscard]] Reason recordLeaf(std::size_t record) const;
+
+  const Description& description_;
+  const Words& words_;
+  const Instances& instances_;
+  const std::vector<CheckedRecord>& records_;
+  int current_step_;
+  HistoryCheck* check_;
+};
 
 }  // namespace kr3::reasoner

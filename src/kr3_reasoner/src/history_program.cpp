@@ -29,12 +29,12 @@ fires(_D) :- dbody(_D), not contrary(_D), free(_D,_B) : better(_B,_D).
 c(_F,_V) :- fires(_D), hd(_D,_F,_V,pos).
 cn(_F,_V) :- fires(_D), hd(_D,_F,_V,neg).
 % Exceptions: contraries of heads may be assumed.
-abducible(no(_F,_V)) :- hd(_,_F,_V,pos).
-abducible(yes(_F,_V)) :- hd(_,_F,_V,neg).
+abducible(no(_F,_V)) :- hd(_D,_F,_V,pos), not off(_D).
+abducible(yes(_F,_V)) :- hd(_D,_F,_V,neg), not off(_D).
 cn(_F,_V) :- ab(no(_F,_V)).
 c(_F,_V) :- ab(yes(_F,_V)).
 #defined free/2. #defined init/2. #defined initn/2. #defined hd/4. #defined dbody/1. #defined better/2. #defined bool/1.
-#defined weight/2. #defined doubt/2. #defined c/2. #defined cn/2. #defined lit/2. #defined price/2.
+#defined weight/2. #defined doubt/2. #defined c/2. #defined cn/2. #defined lit/2. #defined price/2. #defined off/1.
 )";
 
 const char* const kInitialStateRules = R"(
@@ -212,7 +212,8 @@ std::string HistoryProgram::defaultRules(const Default& rule) const
   std::string text = Encoding::comment(rule.position);
   text += "hd(" + id + "," + head_text + (head.equal ? ",pos)" : ",neg)") + " :- #true" +
           guards.text() + encoding_.body(fixed, "0") + ".\n" + mentioned;
-  text += "dbody(" + id + ") :- #true" + guards.text() + closureBody(rule.body, "c") + ".\n";
+  text += "dbody(" + id + ") :- #true" + guards.text() + closureBody(rule.body, "c") +
+          ", not off(" + id + ").\n";
   const auto weight = options_.default_weights.find(rule.name.name);
   const int price =
       weight == options_.default_weights.end() ? options_.exception_weight : weight->second;

@@ -243,18 +243,11 @@ std::optional<Optimum> minimalPrice(const HistoryProgram& program, const Records
 
 }  // namespace
 
-std::optional<Optimum> findOptimum(const HistoryProgram& program, const Records& records,
-                                   int current_step, bool exogenous_first,
-                                   const ExplanationStart& start)
+std::vector<Assumable> assumableLevels(const Records& records, int current_step,
+                                       bool exogenous_first, bool uncertain_otherwise)
 {
-  // Most histories need no assumption; then nothing that could be assumed has to be looked at.
-  const Optimum none{{}, {}, start.level, SettledAssumptions{}};
-  if (SolvedHistory(program, records, current_step, none, {"1", "--warn=none"}).isConsistent())
-  {
-    return none;
-  }
-  const bool uncertain = start.uncertain || std::any_of(records.begin(), records.end(),
-                                                        [](const CheckedRecord& checked) {
+  const bool uncertain = uncertain_otherwise || std::any_of(records.begin(), records.end(),
+                                                            [](const CheckedRecord& checked) {
     return !checked.isAction() && checked.record.confidence < 1.0;
                          });
   std::vector<Assumable> levels = {{exogenous_first, false}};
@@ -267,6 +260,20 @@ std::optional<Optimum> findOptimum(const HistoryProgram& program, const Records&
     levels.push_back({exogenous_first, true});
     levels.push_back({true, true});
   }
+  return levels;
+}
+
+std::optional<Optimum> findOptimum(const HistoryProgram& program, const Records& records,
+                                   int current_step, bool exogenous_first,
+                                   const ExplanationStart& start)
+{
+  // Most histories need no assumption; then nothing that could be assumed has to be looked at.
+  const Optimum none{{}, {}, start.level, SettledAssumptions{}};
+  if (SolvedHistory(program, records, current_step, none, {"1", "--warn=none"}).isConsistent())
+  {
+    return none;
+  }
+  const auto levels = assumableLevels(records, current_step, exogenous_first, start.uncertain);
   for (auto level = static_cast<std::size_t>(start.level); level < levels.size(); ++level)
   {
     if (auto optimum = minimalPrice(program, records, current_step, levels[level]))

@@ -31,6 +31,12 @@ struct ExplanationStart
   bool uncertain = false;  ///< another part has a record of confidence below 1
 };
 
+/// The kinds of assumption that are tried, one level after the other.
+/// @param uncertain_otherwise  there are uncertain records elsewhere
+[[nodiscard]] std::vector<Assumable> assumableLevels(const std::vector<CheckedRecord>& records,
+                                                     int current_step, bool exogenous_first,
+                                                     bool uncertain_otherwise = false);
+
 /// The minimal price of explaining a history, or nothing when it is inconsistent. Exceptions to
 /// defaults come first (and exogenous actions, if the options say so); if they do not explain,
 /// exogenous actions; then retracted records.

@@ -60,7 +60,7 @@ public:
 
   [[nodiscard]] int currentStep() const
   {
-    int step = least_step_;
+    int step = options_.least_step;
     for (const CheckedRecord& checked : records_)
     {
       step = std::max(step, checked.record.step + (checked.isAction() ? 1 : 0));
@@ -78,6 +78,7 @@ public:
     }
     optimum_.reset();
     consequences_.reset();
+    check_.reset();
   }
 
   /// The minimal price of the history; nothing when it is inconsistent.
@@ -151,6 +152,19 @@ public:
                           "', expected a ground fluent of the description");
   }
 
+  /// Says why; shares its solver with earlier questions about the same history.
+  [[nodiscard]] Explanation explain(const Literal& literal, int step)
+  {
+    if (!check_)
+    {
+      check_ = std::make_unique<HistoryCheck>(description_, program_, records_, currentStep(),
+                                              options_.diagnose_exogenous);
+    }
+    const Words here = words();
+    return Explainer(description_, here, instances_, records_, currentStep(), check_.get())
+        .explain(literal, step);
+  }
+
   [[nodiscard]] Words words() const { return {description_, options_, instances_, records_}; }
 
   /// The history without some of its records.
@@ -164,9 +178,10 @@ public:
         kept.push_back(history_[i]);
       }
     }
-    Reasoner reasoner(description_, options_);
+    ReasonerOptions options = options_;
+    options.least_step = currentStep();
+    Reasoner reasoner(description_, std::move(options));
     reasoner.setHistory(std::move(kept));
-    reasoner.impl_->least_step_ = currentStep();
     return reasoner;
   }
 
@@ -226,12 +241,12 @@ public:
   Instances instances_;
   std::vector<CheckedRecord> records_;
   std::vector<Record> history_;
-  int least_step_ = 0;  ///< the current step, even if no record is about it
 
 private:
   std::unique_ptr<std::optional<Optimum>> optimum_;
   std::unique_ptr<Consequences> consequences_;
   std::unique_ptr<GroundRules> ground_rules_;
+  std::unique_ptr<HistoryCheck> check_;
 };
 
 Reasoner::Reasoner(Description description, ReasonerOptions options)
@@ -296,6 +311,8 @@ Diagnosis Reasoner::diagnose() const
   }
   diagnosis.cost = optimum->price.assumptions + optimum->price.retractions;
   const Words words = impl_->words();
+  Explainer explainer(impl_->description_, words, impl_->instances_, impl_->records_,
+                      impl_->currentStep(), nullptr);
   for (const auto& explanation :
        explanationsOf(impl_->program_, impl_->records_, impl_->currentStep(), *optimum))
   {
@@ -311,6 +328,7 @@ Diagnosis Reasoner::diagnose() const
     }
     diagnosis.explanations.push_back(std::move(statements));
     diagnosis.in_words.push_back(alternative.in_words);
+    explainer.justify(alternative, explanation);
     diagnosis.alternatives.push_back(std::move(alternative));
   }
   return diagnosis;
@@ -431,8 +449,7 @@ Explanation Reasoner::explain(const std::string& literal, int step) const
   {
     return explanation;
   }
-  return explained(impl_->description_, impl_->options_, impl_->program_, impl_->records_,
-                   *impl_->optimum(), parsed, step);
+  return impl_->explain(parsed, step);
 }
 
 Reasoner Reasoner::supposing(const std::vector<Record>& hypothetical) const

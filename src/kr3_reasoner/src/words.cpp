@@ -1,6 +1,7 @@
 #include "words.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
 
 namespace kr3::reasoner
@@ -63,6 +64,14 @@ std::string listed(const std::vector<std::string>& items)
   return text;
 }
 
+std::vector<std::string> nonEmpty(const std::vector<std::string>& items)
+{
+  std::vector<std::string> kept;
+  std::copy_if(items.begin(), items.end(), std::back_inserter(kept),
+               [](const std::string& item) { return !item.empty(); });
+  return kept;
+}
+
 std::string inThePast(const Literal& literal)
 {
   const std::string& value = literal.value.name;
@@ -102,6 +111,27 @@ std::string Words::statement(const Clingo::Symbol& assumed) const
   }
   const auto index = static_cast<std::size_t>(assumed.arguments()[0].number());
   return "wrong(" + toString(records_[index].record) + ")";
+}
+
+AssumedAction Words::assumedAction(const Clingo::Symbol& assumed) const
+{
+  const bool failed = is(assumed, "fail", 2);
+  if (!failed && !is(assumed, "exo", 2))
+  {
+    return {};
+  }
+  return {atomOf(assumed.arguments()[0]), assumed.arguments()[1].number(), failed};
+}
+
+std::size_t Words::wrongRecord(const Clingo::Symbol& assumed) const
+{
+  return is(assumed, "wrong", 1) ? static_cast<std::size_t>(assumed.arguments()[0].number())
+                                 : kNoRecord;
+}
+
+bool Words::isException(const Clingo::Symbol& assumed) const
+{
+  return is(assumed, "no", 2) || is(assumed, "yes", 2);
 }
 
 std::vector<GroundDefault> Words::exceptedDefaults(const Clingo::Symbol& assumed) const

@@ -25,6 +25,9 @@ namespace kr3::reasoner
 /// Several items as people list them: "a", "a and b", "a, b and c".
 [[nodiscard]] std::string listed(const std::vector<std::string>& items);
 
+/// The items that are not empty.
+[[nodiscard]] std::vector<std::string> nonEmpty(const std::vector<std::string>& items);
+
 /// A ground instance of a default.
 struct GroundDefault
 {
@@ -32,6 +35,14 @@ struct GroundDefault
   std::string name;  ///< "d1(tb1)"
   Literal head;
   std::vector<Literal> body;  ///< without what is static
+};
+
+/// What an assumption says about an action.
+struct AssumedAction
+{
+  Atom action;
+  int step = -1;  ///< below 0: the assumption is about no action
+  bool failed = false;
 };
 
 /// Says what an assumption `ab(X)` means. Composed from the description's own
@@ -61,6 +72,14 @@ public:
 
   /// The ground defaults to which an assumption is an exception.
   [[nodiscard]] std::vector<GroundDefault> exceptedDefaults(const Clingo::Symbol& assumed) const;
+
+  [[nodiscard]] AssumedAction assumedAction(const Clingo::Symbol& assumed) const;
+
+  /// The record that an assumption calls wrong, or kNoRecord.
+  [[nodiscard]] std::size_t wrongRecord(const Clingo::Symbol& assumed) const;
+
+  /// Whether an assumption is an exception to defaults.
+  [[nodiscard]] bool isException(const Clingo::Symbol& assumed) const;
 
 private:
   const Description& description_;

@@ -170,6 +170,7 @@ struct ReasonerOptions
       1;  ///< price of one exogenous action, and of one failed attempt, at least 1
   std::map<std::string, int>
       default_weights;  ///< price of an exception to the named default, where it differs
+  int least_step = 0;   ///< the current step is at least this, even if no record is about it
 };
 
 /// The high-level reasoner: a description, a growing history, and questions about them, answered by

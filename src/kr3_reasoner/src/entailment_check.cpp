@@ -1,0 +1,205 @@
+#include "entailment_check.hpp"
+
+#include <algorithm>
+
+namespace kr3::reasoner
+{
+
+namespace
+{
+
+const char* const kSwitches = R"(
+#external allowed(exogenous).
+#external allowed(retraction).
+:- ab(exo(_,_)), not allowed(exogenous).
+:- ab(wrong(_)), not allowed(retraction).
+#external off(_D) : hd(_D,_,_,_).
+#project ab/1. #project c/2. #project cn/2.
+#show c/2. #show cn/2.
+)";
+
+Clingo::Symbol closureAtom(const Literal& literal)
+{
+  const std::string text = (literal.equal ? "c(" : "cn(") + Encoding::term(literal.atom) + "," +
+                           literal.value.name + ")";
+  return Clingo::parse_term(text.c_str());
+}
+
+}  // namespace
+
+bool InitialWorld::knows(const Literal& literal) const
+{
+  return closure.count(closureAtom(literal)) > 0;
+}
+
+HistoryCheck::HistoryCheck(const Description& description, const HistoryProgram& program,
+                           const std::vector<CheckedRecord>& records, int current_step,
+                           bool exogenous_first)
+  : description_(description)
+  , levels_(assumableLevels(records, current_step, exogenous_first))
+  , solver_(std::make_unique<Solver>(
+        std::vector<std::string>{"0", "--opt-strategy=usc", "--project=project", "--warn=none"}))
+{
+  program.addTo(*solver_);
+  solver_->add("base", {}, kSwitches);  // with what it switches, lest that be simplified away
+  program.groundHistory(*solver_, records, current_step, {current_step > 0, true}, true);
+  solver_->ground({{"minimize", {}}});
+  const Clingo::SymbolicAtoms atoms = solver_->control().symbolic_atoms();
+  for (auto it = atoms.begin(Clingo::Signature("off", 1)); it; ++it)
+  {
+    const Clingo::Symbol instance = it->symbol().arguments()[0];
+    defaults_[toText(instance.arguments()[0])].push_back(it->symbol());
+  }
+}
+
+void HistoryCheck::set(const Clingo::Symbol& external, bool value)
+{
+  const auto known = externals_.emplace(external, false).first;  // as clingo begins
+  if (known->second != value)
+  {
+    known->second = value;
+    solver_->control().assign_external(
+        external, value ? Clingo::TruthValue::True : Clingo::TruthValue::False);
+  }
+}
+
+void HistoryCheck::choose(const std::vector<bool>& kept, const std::set<std::string>* defaults)
+{
+  for (std::size_t i = 0; i < kept.size(); ++i)
+  {
+    set(Clingo::Function("rec", {Clingo::Number(static_cast<int>(i))}), kept[i]);
+  }
+  for (const auto& [name, switches] : defaults_)
+  {
+    for (const Clingo::Symbol& off : switches)
+    {
+      set(off, defaults != nullptr && defaults->count(name) == 0);
+    }
+  }
+}
+
+void HistoryCheck::allow(const Assumable& assumable)
+{
+  set(Clingo::Function("allowed", {Clingo::Id("exogenous")}), assumable.exogenous);
+  set(Clingo::Function("allowed", {Clingo::Id("retraction")}), assumable.retractions);
+}
+
+void HistoryCheck::bound(const std::vector<std::int64_t>* cost)
+{
+  std::string mode = cost == nullptr ? "opt" : "enum";
+  if (cost != nullptr)
+  {
+    for (const std::int64_t level : *cost)
+    {
+      mode += "," + std::to_string(level);
+    }
+  }
+  solver_->configure("solve.opt_mode", mode);
+}
+
+std::optional<std::vector<std::int64_t>> HistoryCheck::leastCost()
+{
+  bound(nullptr);
+  solver_->configure("solve.models", "0");
+  std::optional<std::vector<std::int64_t>> best;
+  for (const Clingo::Model& model : solver_->control().solve())
+  {
+    best = model.cost();
+  }
+  return best;
+}
+
+bool HistoryCheck::hasModel(const std::vector<std::int64_t>& cost,
+                            const std::vector<Clingo::literal_t>& assumptions)
+{
+  bound(&cost);
+  solver_->configure("solve.models", "1");
+  return solver_->control()
+      .solve(Clingo::LiteralSpan(assumptions.data(), assumptions.size()), nullptr, false, false)
+      .get()
+      .is_satisfiable();
+}
+
+bool HistoryCheck::entail(const std::vector<bool>& kept, const std::set<std::string>* defaults,
+                          const Literal& open, int step)
+{
+  const Literal literal = normalized(open, description_);
+  const FluentDeclaration& fluent = *description_.findFluent(literal.atom.name);
+  const bool by_falsity = fluent.kind == FluentKind::kDefined && literal.value.name == "false";
+  const std::string atom = "h(" + Encoding::term(literal.atom) + "," +
+                           (by_falsity ? "true" : literal.value.name) + "," + std::to_string(step) +
+                           ")";
+  const bool wants_true = literal.equal && !by_falsity;
+  choose(kept, defaults);
+  for (const Assumable& level : levels_)
+  {
+    allow(level);
+    const auto cost = leastCost();
+    if (!cost)
+    {
+      continue;
+    }
+    const Clingo::SymbolicAtoms atoms = solver_->control().symbolic_atoms();
+    auto found = atoms.find(Clingo::parse_term(atom.c_str()));
+    if (!found)
+    {
+      return !wants_true;
+    }
+    return !hasModel(*cost, {wants_true ? -found->literal() : found->literal()});
+  }
+  return false;
+}
+
+std::set<std::string> HistoryCheck::defaultNames() const
+{
+  std::set<std::string> names;
+  for (const auto& [name, switches] : defaults_)
+  {
+    names.insert(name);
+  }
+  return names;
+}
+
+std::vector<InitialWorld> HistoryCheck::worlds(const std::vector<bool>& kept,
+                                               const std::set<std::string>* defaults,
+                                               std::size_t limit)
+{
+  std::vector<InitialWorld> worlds;
+  choose(kept, defaults);
+  for (const Assumable& level : levels_)
+  {
+    allow(level);
+    const auto cost = leastCost();
+    if (!cost)
+    {
+      continue;
+    }
+    bound(&*cost);
+    solver_->configure("solve.models", std::to_string(limit + 1));
+    for (const Clingo::Model& model : solver_->control().solve())
+    {
+      InitialWorld world;
+      for (const Clingo::Symbol& symbol : model.symbols(Clingo::ShowType::Shown))
+      {
+        if (symbol.match("ab", 1))
+        {
+          world.assumed.push_back(symbol.arguments()[0]);
+        }
+        else if (symbol.match("c", 2) || symbol.match("cn", 2))
+        {
+          world.closure.insert(symbol);
+        }
+      }
+      std::sort(world.assumed.begin(), world.assumed.end());
+      worlds.push_back(std::move(world));
+    }
+    if (worlds.size() > limit)
+    {
+      worlds.clear();
+    }
+    return worlds;
+  }
+  return worlds;
+}
+
+}  // namespace kr3::reasoner

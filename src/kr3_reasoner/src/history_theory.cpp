@@ -1,0 +1,503 @@
+#include "history_theory.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace kr3::reasoner
+{
+
+HistoryTheory::HistoryTheory(const Description& description, const Words& words,
+                             const Instances& instances, const std::vector<CheckedRecord>& records,
+                             const std::vector<bool>& kept, const InitialWorld& world,
+                             int current_step, const Atom& fluent, bool wide)
+  : description_(description)
+  , words_(words)
+  , records_(records)
+  , world_(world)
+  , current_step_(current_step)
+  , rules_(description, words, instances, records, kept, world, fluent, wide)
+{
+  for (const Atom& atom : rules_.fluents())
+  {
+    const FluentDeclaration& declared = *description.findFluent(atom.name);
+    fluent_index_.emplace(toString(atom), values_.size());
+    values_.push_back(declared.value_sort ? description.findSort(*declared.value_sort)->elements
+                                          : std::vector<std::string>{"false", "true"});
+    value_index_.emplace_back();
+    for (std::size_t i = 0; i < values_.back().size(); ++i)
+    {
+      value_index_.back().emplace(values_.back()[i], static_cast<int>(i));
+    }
+  }
+  for (std::size_t i = 0; i < rules_.occurrences().size(); ++i)
+  {
+    occurrence_variables_.push_back(propagation_.addVariable(2));
+    meanings_.emplace_back();
+    meanings_.back().occurrence = i;
+  }
+  findChanges();
+  addTransitions();
+  for (const GroundRule& rule : rules_.rules())
+  {
+    std::set<int> steps;
+    const auto note = [&](const Literal& literal) {
+      for (const auto& [step, variable] : variables_[*fluentIndex(literal.atom)])
+      {
+        steps.insert(step);
+      }
+    };
+    std::for_each(rule.body.begin(), rule.body.end(), note);
+    if (rule.head)
+    {
+      note(*rule.head);
+    }
+    for (const int step : steps)
+    {
+      addRule(rule, step);
+    }
+  }
+  addDefinitions();
+  addBans();
+  propagation_.propagate();
+  base_ = propagation_.mark();
+}
+
+std::optional<std::size_t> HistoryTheory::fluentIndex(const Atom& atom) const
+{
+  const auto found = fluent_index_.find(toString(atom));
+  return found == fluent_index_.end() ? std::nullopt : std::make_optional(found->second);
+}
+
+int HistoryTheory::variable(std::size_t fluent, int step) const
+{
+  return std::prev(variables_[fluent].upper_bound(step))->second;
+}
+
+bool HistoryTheory::changes(std::size_t fluent, int step) const
+{
+  return variables_[fluent].count(step) > 0;
+}
+
+FiniteLiteral HistoryTheory::at(const Literal& open, int step) const
+{
+  const Literal literal = normalized(open, description_);
+  const std::size_t fluent = *fluentIndex(literal.atom);
+  return {variable(fluent, step), value_index_[fluent].at(literal.value.name), literal.equal, step};
+}
+
+HistoryTheory::Body HistoryTheory::at(const std::vector<Literal>& literals, int step) const
+{
+  Body body;
+  for (const Literal& literal : literals)
+  {
+    body.push_back(at(literal, step));
+  }
+  return body;
+}
+
+Literal HistoryTheory::literalOf(const FiniteLiteral& finite) const
+{
+  const std::size_t fluent = *meaning(finite.variable).fluent;
+  Literal literal;
+  literal.atom = rules_.fluents()[fluent];
+  literal.value.name = values_[fluent][static_cast<std::size_t>(finite.value)];
+  literal.equal = finite.equal;
+  return normalized(std::move(literal), description_);
+}
+
+int HistoryTheory::addOrigin(ClauseOrigin origin)
+{
+  origins_.push_back(std::move(origin));
+  return static_cast<int>(origins_.size()) - 1;
+}
+
+void HistoryTheory::addImplication(const Body& body, std::optional<FiniteLiteral> head, int origin)
+{
+  Body clause;
+  for (FiniteLiteral literal : body)
+  {
+    literal.equal = !literal.equal;
+    clause.push_back(literal);
+  }
+  if (head)
+  {
+    clause.push_back(*head);
+  }
+  propagation_.addClause(std::move(clause), origin);
+}
+
+/// Where effects reach a fluent, directly or through constraints, it gets a variable of its own.
+void HistoryTheory::findChanges()
+{
+  std::vector<std::set<std::size_t>> dependents(values_.size());
+  for (const GroundRule& rule : rules_.rules())
+  {
+    for (const Literal& literal : rule.body)
+    {
+      if (rule.head)
+      {
+        dependents[*fluentIndex(literal.atom)].insert(*fluentIndex(rule.head->atom));
+      }
+    }
+  }
+  std::map<int, std::set<std::size_t>> changed;
+  for (const GroundLaw& law : rules_.laws())
+  {
+    for (const auto& outcome : law.outcomes)
+    {
+      for (const GroundEffect& effect : outcome)
+      {
+        if (const auto fluent = fluentIndex(effect.fluent))
+        {
+          changed[rules_.occurrences()[law.occurrence].step + 1].insert(*fluent);
+        }
+      }
+    }
+  }
+  variables_.resize(values_.size());
+  const auto add = [&](std::size_t fluent, int step) {
+    variables_[fluent][step] = propagation_.addVariable(static_cast<int>(values_[fluent].size()));
+    meanings_.emplace_back();
+    meanings_.back().fluent = fluent;
+    meanings_.back().since = step;
+  };
+  for (std::size_t fluent = 0; fluent < values_.size(); ++fluent)
+  {
+    add(fluent, 0);
+  }
+  for (auto& [step, fluents] : changed)
+  {
+    std::vector<std::size_t> reached(fluents.begin(), fluents.end());
+    while (!reached.empty())
+    {
+      const std::size_t next = reached.back();
+      reached.pop_back();
+      for (const std::size_t dependent : dependents[next])
+      {
+        if (fluents.insert(dependent).second)
+        {
+          reached.push_back(dependent);
+        }
+      }
+    }
+    for (const std::size_t fluent : fluents)
+    {
+      if (step <= current_step_)
+      {
+        add(fluent, step);
+      }
+    }
+  }
+}
+
+void HistoryTheory::addTransitions()
+{
+  for (int step = 1; step <= current_step_; ++step)
+  {
+    Supports supports;
+    for (const GroundLaw& law : rules_.laws())
+    {
+      if (rules_.occurrences()[law.occurrence].step + 1 == step)
+      {
+        addLaw(law, supports);
+      }
+    }
+    for (const GroundRule& rule : rules_.rules())
+    {
+      if (!rule.head || !rule.head->equal || !changes(*fluentIndex(rule.head->atom), step))
+      {
+        continue;
+      }
+      const bool touched = std::any_of(
+          rule.body.begin(), rule.body.end(),
+          [&](const Literal& literal) { return changes(*fluentIndex(literal.atom), step); });
+      if (touched)
+      {
+        supports[*fluentIndex(rule.head->atom)].push_back(
+            {rule.head->value.name, at(rule.body, step), ""});
+      }
+    }
+    for (std::size_t fluent = 0; fluent < values_.size(); ++fluent)
+    {
+      const FluentKind kind = description_.findFluent(rules_.fluents()[fluent].name)->kind;
+      if (changes(fluent, step) && kind != FluentKind::kDefined)
+      {
+        addFrame(fluent, step, supports[fluent]);
+      }
+    }
+  }
+}
+
+void HistoryTheory::addRule(const GroundRule& rule, int step)
+{
+  ClauseOrigin origin;
+  origin.kind =
+      rule.head && description_.findFluent(rule.head->atom.name)->kind == FluentKind::kDefined
+          ? ReasonKind::kDefinition
+          : ReasonKind::kConstraint;
+  origin.step = step;
+  origin.position = rule.position;
+  addImplication(at(rule.body, step),
+                 rule.head ? std::make_optional(at(*rule.head, step)) : std::nullopt,
+                 addOrigin(std::move(origin)));
+}
+
+/// A literal that is true only if all of the body is.
+FiniteLiteral HistoryTheory::conjunction(const Body& body, const std::string& action, int origin)
+{
+  if (body.size() == 1)
+  {
+    return body.front();
+  }
+  const int variable = propagation_.addVariable(2);
+  meanings_.emplace_back();
+  meanings_.back().action = action;
+  const FiniteLiteral all{variable, 1, true, body.empty() ? 0 : body.front().step};
+  for (const FiniteLiteral& literal : body)
+  {
+    addImplication({all}, literal, origin);
+  }
+  return all;
+}
+
+void HistoryTheory::addLaw(const GroundLaw& law, Supports& supports)
+{
+  const bool matters =
+      std::any_of(law.outcomes.begin(), law.outcomes.end(), [&](const auto& outcome) {
+        return std::any_of(outcome.begin(), outcome.end(), [&](const GroundEffect& effect) {
+          return fluentIndex(effect.fluent).has_value();
+        });
+      });
+  if (!matters)
+  {
+    return;
+  }
+  const Occurrence& occurrence = rules_.occurrences()[law.occurrence];
+  const int step = occurrence.step + 1;
+  const FiniteLiteral happens{occurrence_variables_[law.occurrence], 1, true, occurrence.step};
+  ClauseOrigin origin;
+  origin.kind = ReasonKind::kCaused;
+  origin.step = step;
+  origin.position = law.position;
+  origin.action = toString(occurrence.action);
+  const int caused = addOrigin(origin);
+  origin.silent = true;
+  const int silent = addOrigin(origin);
+  if (law.outcomes.size() == 1 &&
+      std::all_of(law.outcomes[0].begin(), law.outcomes[0].end(), [](const GroundEffect& effect) {
+        return effect.options.size() == 1 && effect.options[0].condition.empty();
+      }))
+  {
+    for (const auto& conditions : law.bodies)
+    {
+      Body body = {happens};
+      const Body more = at(conditions, step - 1);
+      body.insert(body.end(), more.begin(), more.end());
+      for (const GroundEffect& effect : law.outcomes[0])
+      {
+        if (const auto fluent = fluentIndex(effect.fluent))
+        {
+          const std::string& value = effect.options[0].value;
+          addImplication(body, at({effect.fluent, {false, value}, true}, step), caused);
+          supports[*fluent].push_back({value, body, origin.action});
+        }
+      }
+    }
+    return;
+  }
+  // applies <-> happens and one of the bodies
+  Body bodies;
+  const int variable = propagation_.addVariable(2);
+  meanings_.emplace_back();
+  meanings_.back().action = origin.action;
+  const FiniteLiteral applies{variable, 1, true, step};
+  for (const auto& conditions : law.bodies)
+  {
+    Body body = {happens};
+    const Body more = at(conditions, step - 1);
+    body.insert(body.end(), more.begin(), more.end());
+    addImplication(body, applies, silent);
+    bodies.push_back(conjunction(body, origin.action, silent));
+  }
+  Body clause = bodies;
+  clause.push_back({variable, 1, false, step});
+  propagation_.addClause(std::move(clause), silent);
+  addEffects(law, applies, supports);
+}
+
+/// One outcome of several happens, and in it one value of each choice.
+void HistoryTheory::addEffects(const GroundLaw& law, const FiniteLiteral& applies,
+                               Supports& supports)
+{
+  const int step = applies.step;
+  ClauseOrigin origin;
+  origin.kind = ReasonKind::kCaused;
+  origin.step = step;
+  origin.position = law.position;
+  origin.action = toString(rules_.occurrences()[law.occurrence].action);
+  const int caused = addOrigin(origin);
+  origin.silent = true;
+  const int silent = addOrigin(origin);
+  const auto auxiliary = [&] {
+    const int variable = propagation_.addVariable(2);
+    meanings_.emplace_back();
+    meanings_.back().action = origin.action;
+    return FiniteLiteral{variable, 1, true, step};
+  };
+  Body outcomes = {{applies.variable, 1, false, step}};
+  for (const auto& outcome : law.outcomes)
+  {
+    const FiniteLiteral taken = law.outcomes.size() == 1 ? applies : auxiliary();
+    if (law.outcomes.size() > 1)
+    {
+      addImplication({taken}, applies, silent);
+      outcomes.push_back(taken);
+    }
+    for (const GroundEffect& effect : outcome)
+    {
+      const auto fluent = fluentIndex(effect.fluent);
+      if (!fluent)
+      {
+        continue;
+      }
+      Body options = {{taken.variable, 1, false, step}};
+      for (const GroundEffect::Option& option : effect.options)
+      {
+        const FiniteLiteral picked = effect.options.size() == 1 ? taken : auxiliary();
+        if (effect.options.size() > 1)
+        {
+          addImplication({picked}, taken, silent);
+          options.push_back(picked);
+        }
+        for (const FiniteLiteral& condition : at(option.condition, step - 1))
+        {
+          addImplication({picked}, condition, silent);
+        }
+        addImplication({picked}, at({effect.fluent, {false, option.value}, true}, step), caused);
+        supports[*fluent].push_back({option.value, {picked}, origin.action});
+      }
+      if (effect.options.size() != 1)
+      {
+        propagation_.addClause(std::move(options), silent);
+      }
+    }
+  }
+  if (law.outcomes.size() > 1)
+  {
+    propagation_.addClause(std::move(outcomes), silent);
+  }
+}
+
+/// A value stays unless something gives another one.
+void HistoryTheory::addFrame(std::size_t fluent, int step, const std::vector<Support>& supports)
+{
+  const int now = variable(fluent, step);
+  const int before = variable(fluent, step - 1);
+  ClauseOrigin origin;
+  origin.kind = ReasonKind::kInertia;
+  origin.step = step;
+  origin.fluent_variable = now;
+  origin.earlier_variable = before;
+  const int frame = addOrigin(origin);
+  origin.silent = true;
+  const int silent = addOrigin(origin);
+  std::map<std::string, Body> by_value;
+  for (const Support& support : supports)
+  {
+    by_value[support.value].push_back(conjunction(support.body, support.action, silent));
+  }
+  for (std::size_t i = 0; i < values_[fluent].size(); ++i)
+  {
+    const int value = static_cast<int>(i);
+    Body given = {{now, value, false, step}, {before, value, true, step - 1}};
+    Body kept = {{before, value, false, step - 1}, {now, value, true, step}};
+    for (const auto& [supported, literals] : by_value)
+    {
+      Body& clause = supported == values_[fluent][i] ? given : kept;
+      clause.insert(clause.end(), literals.begin(), literals.end());
+    }
+    propagation_.addClause(std::move(given), frame);
+    if (values_[fluent].size() > 2)
+    {
+      propagation_.addClause(std::move(kept), frame);
+    }
+  }
+}
+
+/// A defined fluent is true only by one of its definitions.
+void HistoryTheory::addDefinitions()
+{
+  std::map<std::size_t, std::vector<const GroundRule*>> definitions;
+  bool recursive = false;
+  const auto isDefined = [&](const Literal& literal) {
+    return description_.findFluent(literal.atom.name)->kind == FluentKind::kDefined;
+  };
+  for (const GroundRule& rule : rules_.rules())
+  {
+    if (rule.head && isDefined(*rule.head) && rule.head->value.name == "true")
+    {
+      definitions[*fluentIndex(rule.head->atom)].push_back(&rule);
+      recursive = recursive || std::any_of(rule.body.begin(), rule.body.end(), isDefined);
+    }
+  }
+  for (std::size_t fluent = 0; fluent < values_.size(); ++fluent)
+  {
+    if (description_.findFluent(rules_.fluents()[fluent].name)->kind != FluentKind::kDefined)
+    {
+      continue;
+    }
+    for (const auto& [step, variable] : variables_[fluent])
+    {
+      ClauseOrigin origin;
+      origin.kind = ReasonKind::kDefinition;
+      origin.step = step;
+      if (!definitions[fluent].empty())
+      {
+        origin.position = definitions[fluent].front()->position;
+      }
+      const int completion = addOrigin(origin);
+      origin.silent = true;
+      const int silent = addOrigin(origin);
+      Body clause = {{variable, 1, false, step}};
+      bool always = false;
+      for (const GroundRule* rule : definitions[fluent])
+      {
+        always = always || rule->body.empty();
+        clause.push_back(conjunction(at(rule->body, step), "", silent));
+        if (recursive)
+        {
+          propagation_.addFoundedRule({variable, 1, true, step}, at(rule->body, step), completion);
+        }
+      }
+      if (!always)
+      {
+        propagation_.addClause(std::move(clause), completion);
+      }
+    }
+  }
+}
+
+void HistoryTheory::addBans()
+{
+  for (const GroundBan& ban : rules_.bans())
+  {
+    const int step = rules_.occurrences()[ban.occurrences.front()].step;
+    ClauseOrigin origin;
+    origin.kind = ReasonKind::kExecutability;
+    origin.step = step;
+    origin.position = ban.position;
+    Body body;
+    std::vector<std::string> actions;
+    for (const std::size_t i : ban.occurrences)
+    {
+      body.push_back({occurrence_variables_[i], 1, true, step});
+      actions.push_back(toString(rules_.occurrences()[i].action));
+    }
+    origin.action = listed(actions);
+    const Body conditions = at(ban.body, step);
+    body.insert(body.end(), conditions.begin(), conditions.end());
+    addImplication(body, std::nullopt, addOrigin(std::move(origin)));
+  }
+}
+
+}  // namespace kr3::reasoner
