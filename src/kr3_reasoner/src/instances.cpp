@@ -195,7 +195,7 @@ bool Instances::staticHolds(const Literal& open) const
   {
     return (found != statics_.end()) == (literal.value.name == "true");
   }
-  return found != statics_.end() && (found->second == literal.value.name) == literal.equal;
+  return (found != statics_.end() && found->second == literal.value.name) == literal.equal;
 }
 
 bool Instances::decided(const Condition& condition, const Binding& binding) const

@@ -161,6 +161,17 @@ public:
                                               options_.diagnose_exogenous);
     }
     const Words here = words();
+    if (instances_.isStatic(literal))
+    {
+      Explanation fact;
+      fact.entailed = true;
+      fact.proof.kind = ReasonKind::kStatic;
+      fact.proof.statement = toString(literal);
+      fact.proof.step = step;
+      fact.proof.sentence = toString(literal) + " follows from the description alone";
+      fact.reasons = {fact.proof.sentence};
+      return fact;
+    }
     return Explainer(description_, here, instances_, records_, currentStep(), check_.get())
         .explain(literal, step);
   }
@@ -450,6 +461,62 @@ Explanation Reasoner::explain(const std::string& literal, int step) const
     return explanation;
   }
   return impl_->explain(parsed, step);
+}
+
+OpenQuestion Reasoner::whyUnknown(const std::string& text, int step) const
+{
+  const Literal literal =
+      normalized(parseGroundLiteral(text, impl_->description_), impl_->description_);
+  const Consequences& consequences = impl_->consequences(step);
+  const std::string fluent = toString(literal.atom);
+  const std::string at = " at step " + std::to_string(step);
+  OpenQuestion question;
+  question.open = !consequences.inAll(literal, step) && consequences.inSome(literal, step);
+  if (impl_->instances_.isStatic(literal))
+  {
+    return question;  // a static is never open
+  }
+  question.values = possibleValues(fluent, step);
+  if (!question.open)
+  {
+    question.reasons.push_back(toString(literal) + at +
+                               (consequences.inAll(literal, step) ? " is known" : " is excluded"));
+    return question;
+  }
+  question.reasons.push_back(fluent + at + " may be " + listed(question.values));
+  for (const GroundDefault& instance : impl_->words().defaultsAbout(literal.atom))
+  {
+    std::vector<std::string> unknown;
+    for (const Literal& condition : instance.body)
+    {
+      if (!consequences.inAll(condition, 0))
+      {
+        unknown.push_back(toString(condition));
+      }
+    }
+    question.reasons.push_back(
+        "default " + instance.name + " would say initially " + toString(instance.head) + ", but " +
+        (!unknown.empty() ? listed(unknown) + " initially is not known"
+         : !consequences.inSome(instance.head, 0)
+             ? "that is excluded"
+             : "something else that is assumed or a default of equal rank contradicts it"));
+  }
+  const int now = currentStep();
+  const std::vector<std::string> current = possibleValues(fluent, now);
+  const bool decides = std::all_of(current.begin(), current.end(), [&](const std::string& value) {
+    Record seen;
+    seen.statement = toString(toLiteral(impl_->groundFluent(fluent), value));
+    seen.step = now;
+    const Reasoner supposed = supposing({seen});
+    return !supposed.impl_->optimum() || supposed.entails(text, step) != Answer::kUnknown;
+  });
+  if (decides && current.size() > 1)
+  {
+    question.deciding.push_back(fluent);
+    question.reasons.push_back("observing " + fluent + " at step " + std::to_string(now) +
+                               " would settle it");
+  }
+  return question;
 }
 
 Reasoner Reasoner::supposing(const std::vector<Record>& hypothetical) const

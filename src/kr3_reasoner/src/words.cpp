@@ -113,6 +113,24 @@ std::string Words::statement(const Clingo::Symbol& assumed) const
   return "wrong(" + toString(records_[index].record) + ")";
 }
 
+std::vector<GroundDefault> Words::defaultsAbout(const Atom& fluent) const
+{
+  std::vector<GroundDefault> found;
+  for (const Default& rule : description_.defaults)
+  {
+    const Literal head = normalized(rule.head, description_);
+    Binding start;
+    if (unify(head.atom, fluent, start))
+    {
+      instances_.forEach({{}, {}, {&rule.head}, {&rule.body}}, start, [&](const Binding& binding) {
+        found.push_back({&rule, toString(bound(rule.name, binding)), bound(head, binding),
+                         instances_.literals(rule.body, binding)});
+      });
+    }
+  }
+  return found;
+}
+
 AssumedAction Words::assumedAction(const Clingo::Symbol& assumed) const
 {
   const bool failed = is(assumed, "fail", 2);

@@ -73,6 +73,9 @@ public:
   /// The ground defaults to which an assumption is an exception.
   [[nodiscard]] std::vector<GroundDefault> exceptedDefaults(const Clingo::Symbol& assumed) const;
 
+  /// The ground defaults with a head about a fluent.
+  [[nodiscard]] std::vector<GroundDefault> defaultsAbout(const Atom& fluent) const;
+
   [[nodiscard]] AssumedAction assumedAction(const Clingo::Symbol& assumed) const;
 
   /// The record that an assumption calls wrong, or kNoRecord.

@@ -35,6 +35,36 @@ TEST(WhatIf, AnswersUnderHypotheticalRecordsAndChangesNothing)
             std::string::npos);
 }
 
+TEST(WhyUnknown, NamesValuesDefaultsAndWhatWouldSettleIt)
+{
+  const OpenQuestion printer = office("").whyUnknown("loc(printer1) = office", 0);
+  EXPECT_TRUE(printer.open);
+  EXPECT_EQ(printer.values.size(), 6U);
+  EXPECT_EQ(printer.deciding, std::vector<std::string>{"loc(printer1)"});
+  // an exception that nothing follows from: two values are left, and no default chooses
+  const OpenQuestion mug =
+      office("obs(loc(mug1) = kitchen, false, 1).").whyUnknown("loc(mug1) = office", 1);
+  EXPECT_TRUE(mug.open);
+  EXPECT_EQ(mug.values.size(), 5U);
+  ASSERT_GE(mug.reasons.size(), 2U);
+  EXPECT_NE(mug.reasons[1].find("default k1(mug1)"), std::string::npos) << mug.reasons[1];
+  EXPECT_NE(mug.reasons[1].find("excluded"), std::string::npos) << mug.reasons[1];
+  EXPECT_FALSE(office("").whyUnknown("loc(tb1) = main_library", 0).open);
+}
+
+TEST(Diagnosis, SaysWhichRecordsContradictWhichDefault)
+{
+  const Diagnosis diagnosis =
+      office("init(loc(rob1) = office, true). obs(loc(tb1) = main_library, false, 1).").diagnose();
+  ASSERT_EQ(diagnosis.alternatives.size(), 1U);
+  const Assumption& assumption = diagnosis.alternatives[0].assumptions.at(0);
+  EXPECT_EQ(assumption.defaults, std::vector<std::string>{"d1(tb1)"});
+  EXPECT_EQ(assumption.because, std::vector<std::size_t>{1});
+  EXPECT_NE(assumption.because_in_words.find("suppose that default d1(tb1) applied"),
+            std::string::npos)
+      << assumption.because_in_words;
+}
+
 TEST(Diagnosis, GivesEachAlternativeItsPriceAndDefaults)
 {
   ReasonerOptions options;

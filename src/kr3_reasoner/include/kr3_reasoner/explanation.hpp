@@ -75,12 +75,12 @@ struct Explanation
   Reason proof;                             ///< meaningful when entailed
 };
 
-/// Why a literal is neither entailed nor excluded, or why it is excluded.
+/// What is open about a literal, and what would settle it.
 struct OpenQuestion
 {
   bool open = false;                  ///< whether the literal is possible, and not entailed
-  std::vector<std::string> values;    ///< of the fluent at the step, in the order of its sort
-  std::vector<std::string> deciding;  ///< observations, as "obs(l, true, 2)", that would settle it
+  std::vector<std::string> values;    ///< that its fluent may have at the step, as in its sort
+  std::vector<std::string> deciding;  ///< fluents whose value at the current step would settle it
   std::vector<std::string> reasons;   ///< in words, one sentence each
 };
 

@@ -217,6 +217,10 @@ public:
 
   [[nodiscard]] Explanation explain(const std::string& literal, int step) const;
 
+  /// Why a literal is not known: which values its fluent may have, which default could say more and
+  /// why it does not, and whether observing the fluent now would settle it.
+  [[nodiscard]] OpenQuestion whyUnknown(const std::string& literal, int step) const;
+
   /// What if these records were in the history as well? The reasoner that answers has the same
   /// description and options; this one does not change.
   /// @throws InvalidArgument  a record does not fit the description
