@@ -245,18 +245,18 @@ TEST(Explain, CitesWhatSufficesAndNothingElse)
                  "hpd(move(rob1, aux_library), 0). obs(loc(tb2) = main_library, false, 2). "
                  "obs(loc(tb2) = aux_library, false, 2). hpd(grasp(rob1, tb1), 1). "
                  "hpd(move(rob1, kitchen), 2). obs(loc(tb3) = main_library, true, 3)."),
-      11);
+      37);
   expectManyExplained(
       reasonerOf(kWorkbench,
                  "init(opened(psu), false). hpd(unscrew(tech1, psu), 0). obs(cause(hum) = psu, "
                  "false, 1). obs(cause(silence) = psu, true, 1). init(resolved(silence), false). "
                  "hpd(replace(tech1, psu, silence), 1)."),
-      3);
+      7);
   expectManyExplained(
       reasonerOf(kLamps,
                  "init(on(left), false). init(on(right), false). hpd(flip(left), 0). "
                  "obs(lit(red), false, 1). hpd(flip(right), 1). hpd(roll(d), 2)."),
-      3);
+      7);
 }
 
 // KR3_EXPLAIN_CASES and KR3_EXPLAIN_SEED in the environment run more of them.
