@@ -31,7 +31,9 @@ def test_help_lists_every_command_within_a_second():
     result, seconds = kr3("--help")
     assert result.returncode == 0
     assert seconds < 1.0
-    for command in "demo test setup build up goal status record replay reason map doctor".split():
+    for (
+        command
+    ) in "demo test setup build up goal status record replay reason map doctor fuzz".split():
         assert f"  {command}" in result.stdout
 
 

@@ -1,30 +1,19 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
+#include "diagnostics.hpp"
 #include "kr3_reasoner/language.hpp"
+#include "symbols.hpp"
 
 namespace kr3::reasoner
 {
 
-/// Checks a description and completes its sorts. Returns every problem found, in the order of the
-/// parts.
+/// Checks a description and completes its sorts. Returns every problem found.
 [[nodiscard]] std::vector<Diagnostic> check(Description& description);
 
 /// Checks that a ground literal or action fits a description.
-[[nodiscard]] std::vector<Diagnostic> checkGround(const Literal& literal,
-                                                  const Description& description);
-[[nodiscard]] std::vector<Diagnostic> checkGroundAction(const Atom& action,
-                                                        const Description& description);
-
-/// The candidate nearest to `name` by edit distance, as "; did you mean 'x'?", or nothing when none
-/// is near.
-[[nodiscard]] std::string suggestion(const std::string& name,
-                                     const std::vector<std::string>& candidates);
-
-/// One line "file:line:column: message" for each problem. @throws InvalidArgument  when there is
-/// one
-void throwIfAny(const std::vector<Diagnostic>& problems);
+[[nodiscard]] std::vector<Diagnostic> checkGround(const Literal& literal, const Symbols& symbols);
+[[nodiscard]] std::vector<Diagnostic> checkGroundAction(const Atom& action, const Symbols& symbols);
 
 }  // namespace kr3::reasoner

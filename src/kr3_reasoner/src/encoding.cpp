@@ -40,26 +40,6 @@ struct OpenAtom
   std::string guards;
 };
 
-std::string operatorText(Comparison::Operator op)
-{
-  switch (op)
-  {
-    case Comparison::Operator::kEqual:
-      return "=";
-    case Comparison::Operator::kNotEqual:
-      return "!=";
-    case Comparison::Operator::kLess:
-      return "<";
-    case Comparison::Operator::kLessEqual:
-      return "<=";
-    case Comparison::Operator::kGreater:
-      return ">";
-    case Comparison::Operator::kGreaterEqual:
-      return ">=";
-  }
-  return "=";
-}
-
 /// How often each variable stands in a body.
 std::map<std::string, int> variableUses(const Body& body)
 {
@@ -196,8 +176,7 @@ std::string Encoding::condition(const Condition& condition, const std::string& s
   }
   if (const auto* comparison = std::get_if<Comparison>(&condition))
   {
-    return comparison->left.name + " " + operatorText(comparison->op) + " " +
-           comparison->right.name;
+    return comparison->left.name + " " + toString(comparison->op) + " " + comparison->right.name;
   }
   const auto& membership = std::get<Membership>(condition);
   return (membership.negated ? "not sort(" : "sort(") + membership.sort + "," +
@@ -320,7 +299,8 @@ std::string Encoding::vocabulary() const
   text += unequalRules();
   return text +
          "#defined sort/2. #defined defined/1. #defined basic/1. #defined st/2. #defined "
-         "watched/2.\n";
+         "watched/2.\n" +
+         rawBlocks(AspPart::kBase);
 }
 
 std::string Encoding::values() const
@@ -469,7 +449,7 @@ std::string Encoding::constraints() const
       text += ":- h(" + term(head.atom) + "," + head.value.name + ",t)" + conditions;
     }
   }
-  return text;
+  return text + rawBlocks(AspPart::kState);
 }
 
 std::string Encoding::lawRules(const CausalLaw& law, std::size_t index) const
@@ -660,7 +640,7 @@ std::string Encoding::effects() const
   {
     text += exclusionRules(rule);
   }
-  return text;
+  return text + rawBlocks(AspPart::kTransition);
 }
 
 std::string Encoding::executability() const
@@ -692,6 +672,19 @@ std::string Encoding::transition() const
 {
   return "{ h(_F,_V,t) } :- h(_F,_V,t-1), basic(_F).\n" + effects() + executability() +
          ":- occ(_A,t-1), imp(_A,t-1).\n";
+}
+
+std::string Encoding::rawBlocks(AspPart part) const
+{
+  std::string text;
+  for (const AspBlock& block : description_.asp_blocks)
+  {
+    if (block.part == part)
+    {
+      text += comment(block.position) + block.text + "\n";
+    }
+  }
+  return text;
 }
 
 std::string Encoding::anyState()

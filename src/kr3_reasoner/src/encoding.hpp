@@ -86,6 +86,9 @@ private:
   [[nodiscard]] std::string conditionsBefore(const Body& body, const Guards& guards,
                                              const std::set<std::string>& used) const;
 
+  /// The raw blocks of a part, as they are.
+  [[nodiscard]] std::string rawBlocks(AspPart part) const;
+
   const Description& description_;
 };
 

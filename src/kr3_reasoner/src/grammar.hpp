@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "kr3_reasoner/language.hpp"
@@ -42,6 +43,7 @@ enum class Rule
   kMagnification,
   kPreference,
   kCost,
+  kTotality,
   kDecimal,
   // Parts of formulas.
   kAtom,
@@ -61,12 +63,13 @@ enum class Rule
   kNegation,
 };
 
-/// A node of the tree of one statement.
+/// A node of the tree of one statement. `text` points into the text that was parsed.
 struct Node
 {
   Rule rule = Rule::kNone;
-  std::string text;
-  SourcePosition position;
+  std::string_view text;
+  int line = 0;
+  int column = 0;
   std::vector<Node> children;
 
   /// The first child of a kind, or nullptr.
@@ -90,21 +93,17 @@ enum class Kind
   kGoal,           ///< without a final dot
 };
 
-/// A statement of a file before it is parsed: its text up to the final dot, and the section it
-/// stands in.
-struct Chunk
-{
-  std::string section;  ///< empty before the first section
-  std::string text;
-  SourcePosition position;
-};
+/// The deepest nesting of parentheses and negations in a goal.
+constexpr int kMaxDepth = 200;
 
-/// Cuts a file into statements, so that an error in one does not hide those in the next.
-[[nodiscard]] std::vector<Chunk> split(const std::string& text, const std::string& file);
+/// The longest name, in characters.
+constexpr std::size_t kMaxName = 255;
 
 /// Parses one statement. On an error the tree's rule is kNone and `problems` gets what was found
-/// and expected.
-[[nodiscard]] Node parse(Kind kind, const std::string& text, const SourcePosition& start,
+/// and expected. The tree points into `text`.
+///
+/// @param start  where `text` stands
+[[nodiscard]] Node parse(Kind kind, std::string_view text, const SourcePosition& start,
                          std::vector<Diagnostic>& problems);
 
 }  // namespace kr3::reasoner::grammar

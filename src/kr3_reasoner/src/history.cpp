@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <optional>
+#include <cstdlib>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -11,6 +13,7 @@
 #include "builder.hpp"
 #include "check.hpp"
 #include "grammar.hpp"
+#include "text.hpp"
 #include "text_file.hpp"
 
 namespace kr3::reasoner
@@ -29,7 +32,7 @@ std::string confidenceText(double confidence)
   return buffer;
 }
 
-RecordKind kindOf(const std::string& word)
+RecordKind kindOf(std::string_view word)
 {
   return word == "obs"       ? RecordKind::kObserved
          : word == "hpd"     ? RecordKind::kHappened
@@ -37,50 +40,153 @@ RecordKind kindOf(const std::string& word)
                              : RecordKind::kInitially;
 }
 
-/// The record of one statement of a history file; nothing when it is wrong,
-/// which is reported.
-std::optional<Record> recordOf(const Node& node, std::vector<Diagnostic>& problems)
+/// Reads the records of a history file and checks them, with the places of their parts.
+class HistoryReader
 {
-  Record record;
-  record.position = node.position;
-  record.kind = kindOf(node.child(Rule::kRecordKind)->text);
-  const bool is_action =
-      record.kind == RecordKind::kHappened || record.kind == RecordKind::kAttempted;
-  const bool is_literal = !is_action;
-  std::vector<std::string> rest;
-  for (const Node& part : node.children)
+public:
+  /// @param description  must outlive the reader
+  HistoryReader(std::string file, const Description& description)
+    : file_(std::move(file)), description_(description), symbols_(description)
   {
-    if (part.rule == Rule::kName || part.rule == Rule::kNumber || part.rule == Rule::kVariable)
+  }
+
+  std::vector<Record> read(std::string_view text)
+  {
+    checkBytes(text, file_, problems_);
+    for (const Chunk& chunk : split(text))
     {
-      rest.push_back(part.text);
+      const SourcePosition start{file_, chunk.line, chunk.column};
+      if (!chunk.section.empty())
+      {
+        problems_.push_back({start, "found the section " + chunk.section +
+                                        ", expected records: a history has no sections"});
+        break;
+      }
+      const Node node = grammar::parse(grammar::Kind::kRecord, chunk.text, start, problems_);
+      if (node.rule != Rule::kNone)
+      {
+        add(node);
+      }
     }
-    else if (part.rule == Rule::kCondition)
+    throwIfAny(std::move(problems_));
+    return std::move(records_);
+  }
+
+private:
+  void report(const Node& node, const std::string& message)
+  {
+    problems_.push_back({{file_, node.line, node.column}, message});
+  }
+
+  void add(const Node& node)
+  {
+    Record record;
+    record.position = {file_, node.line, node.column};
+    record.kind = kindOf(node.child(Rule::kRecordKind)->text);
+    const bool is_action =
+        record.kind == RecordKind::kHappened || record.kind == RecordKind::kAttempted;
+    const bool has_step = record.kind != RecordKind::kInitially;
+    std::vector<const Node*> rest;
+    for (const Node& part : node.children)
     {
-      record.statement = part.text;
-      record.statement.erase(record.statement.find_last_not_of(" \t\r\n") + 1);
+      if (isTerm(part))
+      {
+        rest.push_back(&part);
+      }
     }
-    else if (part.rule == Rule::kDecimal)
+    const std::size_t expected = (is_action ? 0U : 1U) + (has_step ? 1U : 0U);
+    if (rest.size() != expected)
     {
-      record.confidence = std::stod(part.text);
+      report(node, "found " + std::to_string(rest.size() + 1) + " arguments of " +
+                       std::string(node.child(Rule::kRecordKind)->text) + ", expected " +
+                       std::to_string(expected + 1) +
+                       ": obs(literal, true or false, step), hpd(action, step), attempt(action, "
+                       "step) or init(literal, true or false)");
+      return;
+    }
+    const std::size_t before = problems_.size();
+    record.value = is_action || valueOf(*rest.front());
+    record.step = has_step ? stepOf(*rest.back()) : 0;
+    if (const Node* confidence = node.child(Rule::kDecimal))
+    {
+      record.confidence = confidenceOf(*confidence);
+    }
+    record.statement = statementOf(*node.child(Rule::kCondition), is_action);
+    if (problems_.size() == before)
+    {
+      records_.push_back(std::move(record));
     }
   }
-  const bool has_step = record.kind != RecordKind::kInitially;
-  const std::size_t expected = (is_literal ? 1U : 0U) + (has_step ? 1U : 0U);
-  const auto isStep = [](const std::string& text) {
-    return text.size() < 8 && text.find_first_not_of("0123456789") == std::string::npos;
-  };
-  if (rest.size() != expected || (is_literal && rest[0] != "true" && rest[0] != "false") ||
-      (has_step && !isStep(rest.back())))
+
+  bool valueOf(const Node& node)
   {
-    problems.push_back({node.position,
-                        "expected obs(literal, true or false, step), hpd(action, step), "
-                        "attempt(action, step) or init(literal, true or false)"});
-    return std::nullopt;
+    if (node.text != "true" && node.text != "false")
+    {
+      report(node, "found " + std::string(node.text) + ", expected true or false");
+    }
+    return node.text == "true";
   }
-  record.value = is_action || rest[0] == "true";
-  record.step = has_step ? std::stoi(rest.back()) : 0;
-  return record;
-}
+
+  int stepOf(const Node& node)
+  {
+    constexpr std::size_t kMaxDigits = 7;
+    if (node.rule != Rule::kNumber || node.text[0] == '-' || node.text.size() > kMaxDigits)
+    {
+      report(node, "found " + quotedWord(node.text) + ", expected a step from 0 to 9999999");
+      return 0;
+    }
+    return std::stoi(std::string(node.text));
+  }
+
+  double confidenceOf(const Node& node)
+  {
+    const double confidence = std::strtod(std::string(node.text.substr(0, 30)).c_str(), nullptr);
+    if (!(confidence > 0.0 && confidence <= 1.0))
+    {
+      report(node, "found the confidence " + std::string(node.text.substr(0, 30)) +
+                       ", expected one in (0, 1]");
+    }
+    return confidence;
+  }
+
+  /// The statement in the words of the language.
+  std::string statementOf(const Node& node, bool is_action)
+  {
+    Builder builder(file_, &description_);
+    std::string text;
+    std::vector<Diagnostic> found;
+    if (!is_action)
+    {
+      const Literal literal = normalized(builder.literal(node), description_);
+      if (builder.problems.empty())
+      {
+        found = checkGround(literal, symbols_);
+      }
+      text = toString(literal, description_);
+    }
+    else if (node.children.size() == 1 && node.children[0].rule == Rule::kAtom)
+    {
+      const Atom action = builder.atom(node.children[0]);
+      found = checkGroundAction(action, symbols_);
+      text = toString(action);
+    }
+    else
+    {
+      report(node, "found a condition, expected a ground action");
+    }
+    for (auto* problems : {&builder.problems, &found})
+    {
+      problems_.insert(problems_.end(), problems->begin(), problems->end());
+    }
+    return text;
+  }
+
+  std::string file_;
+  const Description& description_;
+  const Symbols symbols_;
+  std::vector<Diagnostic> problems_;
+  std::vector<Record> records_;
+};
 
 }  // namespace
 
@@ -159,7 +265,7 @@ CheckedRecord checkRecord(const Record& record, const Description& description)
     {
       const Literal literal =
           normalized(parseGroundLiteral(record.statement, description), description);
-      checked.record.statement = toString(literal);
+      checked.record.statement = toString(literal, description);
       checked.literal = record.value ? literal : contrary(literal, description);
     }
   }
@@ -173,31 +279,7 @@ CheckedRecord checkRecord(const Record& record, const Description& description)
 std::vector<Record> parseHistory(const std::string& text, const std::string& file,
                                  const Description& description)
 {
-  std::vector<Record> records;
-  std::vector<Diagnostic> problems;
-  for (const grammar::Chunk& chunk : grammar::split(text, file))
-  {
-    const Node node = grammar::parse(grammar::Kind::kRecord, chunk.text, chunk.position, problems);
-    if (node.rule == Rule::kNone)
-    {
-      continue;
-    }
-    const std::optional<Record> record = recordOf(node, problems);
-    if (!record)
-    {
-      continue;
-    }
-    try
-    {
-      records.push_back(checkRecord(*record, description).record);
-    }
-    catch (const InvalidArgument& e)
-    {
-      problems.push_back({chunk.position, e.what()});
-    }
-  }
-  throwIfAny(problems);
-  return records;
+  return HistoryReader(file, description).read(text);
 }
 
 std::vector<Record> readHistory(const std::string& path, const Description& description)

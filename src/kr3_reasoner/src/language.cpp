@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <tuple>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -11,6 +10,8 @@
 #include "builder.hpp"
 #include "check.hpp"
 #include "grammar.hpp"
+#include "predicate_form.hpp"
+#include "text.hpp"
 #include "text_file.hpp"
 
 namespace kr3::reasoner
@@ -26,11 +27,6 @@ const Declaration* find(const std::vector<Declaration>& declarations, const std:
       std::find_if(declarations.begin(), declarations.end(),
                    [&](const Declaration& declaration) { return declaration.name == name; });
   return found == declarations.end() ? nullptr : &*found;
-}
-
-SourcePosition startOf(const std::string& what)
-{
-  return {what, 1, 1};
 }
 
 /// The signature that a refinement's axioms use: the base's, with each magnified sort replaced by
@@ -84,48 +80,60 @@ Description fineSignature(const Description& refinement, const Description& base
   return merged;
 }
 
-template <typename Item>
-void append(std::vector<Item>&& from, std::vector<Item>& to)
+void append(std::vector<Diagnostic>& problems, std::vector<Diagnostic> more)
 {
-  std::move(from.begin(), from.end(), std::back_inserter(to));
+  problems.insert(problems.end(), std::make_move_iterator(more.begin()),
+                  std::make_move_iterator(more.end()));
 }
 
-/// Adds the statements of one file to those of others.
-void append(Description&& from, Description& to)
-{
-  append(std::move(from.sorts), to.sorts);
-  append(std::move(from.fluents), to.fluents);
-  append(std::move(from.actions), to.actions);
-  append(std::move(from.causal_laws), to.causal_laws);
-  append(std::move(from.constraints), to.constraints);
-  append(std::move(from.executabilities), to.executabilities);
-  append(std::move(from.observations), to.observations);
-  append(std::move(from.static_facts), to.static_facts);
-  append(std::move(from.defaults), to.defaults);
-  append(std::move(from.preferences), to.preferences);
-  append(std::move(from.costs), to.costs);
-  append(std::move(from.magnifications), to.magnifications);
-}
-
-template <typename Check, typename Value>
-Value checked(Value value, const std::vector<Diagnostic>& problems, Check check)
-{
-  throwIfAny(problems);
-  throwIfAny(check(value));
-  return value;
-}
-
-void checkFormula(const Formula& formula, const Description& description,
-                  std::vector<Diagnostic>& problems)
+void checkFormula(const Formula& formula, const Symbols& symbols, std::vector<Diagnostic>& problems)
 {
   if (formula.kind == Formula::Kind::kLiteral)
   {
-    const auto found = checkGround(formula.literal, description);
-    problems.insert(problems.end(), found.begin(), found.end());
+    append(problems, checkGround(formula.literal, symbols));
   }
   for (const Formula& operand : formula.operands)
   {
-    checkFormula(operand, description, problems);
+    checkFormula(operand, symbols, problems);
+  }
+}
+
+/// Parses a phrase that is not part of a file; `what` stands for the file's name in messages.
+grammar::Node parsePhrase(grammar::Kind kind, const std::string& text, const std::string& what)
+{
+  std::vector<Diagnostic> problems;
+  checkBytes(text, what, problems);
+  throwIfAny(problems);
+  grammar::Node node = grammar::parse(kind, text, {what, 1, 1}, problems);
+  throwIfAny(problems);
+  return node;
+}
+
+/// The name of a phrase in messages.
+std::string quoted(const std::string& text)
+{
+  constexpr std::size_t kLongest = 80;
+  return text.size() <= kLongest ? "'" + text + "'" : "'" + text.substr(0, kLongest) + "...'";
+}
+
+/// A magnified sort must be the whole value sort of what it stands in.
+void checkPartialFunctions(const Description& refinement, const Description& base,
+                           std::vector<Diagnostic>& problems)
+{
+  for (const Magnification& magnification : refinement.magnifications)
+  {
+    for (const FluentDeclaration& fluent : base.fluents)
+    {
+      const Sort* values = fluent.value_sort ? base.findSort(*fluent.value_sort) : nullptr;
+      if (!fluent.no_value.empty() && values != nullptr &&
+          values->member_sorts.front() == magnification.coarse)
+      {
+        problems.push_back({magnification.position,
+                            "found the magnified sort " + magnification.coarse + " in " +
+                                fluent.name + ", which may have no value, expected 'total " +
+                                fluent.name + ".' in " + fluent.position.file});
+      }
+    }
   }
 }
 
@@ -148,39 +156,23 @@ const ActionDeclaration* Description::findAction(const std::string& name) const
 
 Description parseDescription(const std::vector<SourceText>& sources)
 {
-  Description names;  // of all files, so that each may use them
+  Builder builder("", nullptr);
+  std::vector<std::string> files;
   for (const SourceText& source : sources)
   {
-    if (sources.size() > 1)
-    {
-      append(Builder(source.file, nullptr).build(source.text), names);
-    }
+    builder.read(source.text, source.file);
+    files.push_back(source.file);
   }
-  Description description;
-  std::vector<Diagnostic> problems;
-  for (const SourceText& source : sources)
-  {
-    Builder builder(source.file, sources.size() > 1 ? &names : nullptr);
-    append(builder.build(source.text), description);
-    problems.insert(problems.end(), builder.problems.begin(), builder.problems.end());
-  }
+  Description description = builder.finish();
+  std::vector<Diagnostic> problems = std::move(builder.problems);
   for (const Magnification& magnification : description.magnifications)
   {
     problems.push_back({magnification.position,
                         "found 'magnify' in a description, expected it in a refinement only"});
   }
-  const std::vector<Diagnostic> found = check(description);
-  problems.insert(problems.end(), found.begin(), found.end());
-  const auto fileIndex = [&](const Diagnostic& problem) {
-    return std::find_if(sources.begin(), sources.end(), [&](const SourceText& source) {
-      return source.file == problem.position.file;
-    });
-  };
-  std::stable_sort(problems.begin(), problems.end(), [&](const Diagnostic& a, const Diagnostic& b) {
-    return std::make_tuple(fileIndex(a), a.position.line, a.position.column) <
-           std::make_tuple(fileIndex(b), b.position.line, b.position.column);
-  });
-  throwIfAny(problems);
+  rewritePredicateForm(description, nullptr, builder.totalities, problems);
+  append(problems, check(description));
+  throwIfAny(std::move(problems), files);
   return description;
 }
 
@@ -208,16 +200,27 @@ Description parseRefinement(const std::string& text, const std::string& file,
                             const Description& base)
 {
   Builder builder(file, &base);
-  Description refinement = builder.build(text);
+  builder.read(text, file);
+  Description refinement = builder.finish();
   std::vector<Diagnostic> problems = std::move(builder.problems);
+  for (const AspBlock& block : refinement.asp_blocks)
+  {
+    problems.push_back(
+        {block.position, "found asp code in a refinement, expected it in a description only"});
+  }
+  if (!base.asp_blocks.empty())
+  {
+    const SourcePosition& code = base.asp_blocks.front().position;
+    problems.push_back({{file, 1, 1},
+                        "found asp code in the description, " + code.file + ":" +
+                            std::to_string(code.line) +
+                            ", expected none: nothing says what it means at the low level"});
+  }
+  rewritePredicateForm(refinement, &base, builder.totalities, problems);
+  checkPartialFunctions(refinement, base, problems);
   Description merged = fineSignature(refinement, base);
-  const std::vector<Diagnostic> found = check(merged);
-  problems.insert(problems.end(), found.begin(), found.end());
-  std::stable_sort(problems.begin(), problems.end(), [](const Diagnostic& a, const Diagnostic& b) {
-    return std::tie(a.position.line, a.position.column) <
-           std::tie(b.position.line, b.position.column);
-  });
-  throwIfAny(problems);
+  append(problems, check(merged));
+  throwIfAny(std::move(problems));
   for (Sort& sort : refinement.sorts)
   {
     sort.elements = merged.findSort(sort.name)->elements;
@@ -237,36 +240,33 @@ void checkDescription(Description& description)
 
 Literal parseGroundLiteral(const std::string& text, const Description& description)
 {
-  std::vector<Diagnostic> problems;
-  Builder builder("literal", &description);
-  const grammar::Node node =
-      grammar::parse(grammar::Kind::kGroundLiteral, text, startOf("'" + text + "'"), problems);
-  throwIfAny(problems);
+  const grammar::Node node = parsePhrase(grammar::Kind::kGroundLiteral, text, quoted(text));
+  Builder builder(quoted(text), &description);
   Literal literal = builder.literal(node);
-  return checked(std::move(literal), builder.problems,
-                 [&](const Literal& value) { return checkGround(value, description); });
+  throwIfAny(std::move(builder.problems));
+  throwIfAny(checkGround(literal, Symbols(description)));
+  return literal;
 }
 
 Atom parseGroundAction(const std::string& text, const Description& description)
 {
-  std::vector<Diagnostic> problems;
-  const grammar::Node node =
-      grammar::parse(grammar::Kind::kGroundAction, text, startOf("'" + text + "'"), problems);
-  throwIfAny(problems);
-  return checked(Builder::atom(node), problems,
-                 [&](const Atom& value) { return checkGroundAction(value, description); });
+  const grammar::Node node = parsePhrase(grammar::Kind::kGroundAction, text, quoted(text));
+  Builder builder(quoted(text), &description);
+  Atom action = builder.atom(node);
+  throwIfAny(std::move(builder.problems));
+  throwIfAny(checkGroundAction(action, Symbols(description)));
+  return action;
 }
 
 Formula parseGoal(const std::string& text, const Description& description)
 {
-  std::vector<Diagnostic> problems;
+  const grammar::Node node = parsePhrase(grammar::Kind::kGoal, text, "goal");
   Builder builder("goal", &description);
-  const grammar::Node node = grammar::parse(grammar::Kind::kGoal, text, startOf("goal"), problems);
-  throwIfAny(problems);
   Formula formula = builder.formula(node);
   throwIfAny(builder.problems);
-  checkFormula(formula, description, problems);
-  throwIfAny(problems);
+  std::vector<Diagnostic> problems;
+  checkFormula(formula, Symbols(description), problems);
+  throwIfAny(std::move(problems));
   return formula;
 }
 

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "kr3_reasoner/language.hpp"
+#include "print_text.hpp"
 
 namespace kr3::reasoner
 {
@@ -10,82 +11,82 @@ namespace kr3::reasoner
 namespace
 {
 
-std::string joined(const std::vector<std::string>& items, const std::string& separator)
-{
-  std::string text;
-  for (const std::string& item : items)
-  {
-    text += (text.empty() ? "" : separator) + item;
-  }
-  return text;
-}
-
-std::string signature(const std::string& name, const std::vector<std::string>& sorts)
-{
-  return sorts.empty() ? name : name + "(" + joined(sorts, ", ") + ")";
-}
-
-std::string operatorText(Comparison::Operator op)
-{
-  switch (op)
-  {
-    case Comparison::Operator::kEqual:
-      return "=";
-    case Comparison::Operator::kNotEqual:
-      return "!=";
-    case Comparison::Operator::kLess:
-      return "<";
-    case Comparison::Operator::kLessEqual:
-      return "<=";
-    case Comparison::Operator::kGreater:
-      return ">";
-    case Comparison::Operator::kGreaterEqual:
-      return ">=";
-  }
-  return "?";
-}
-
-std::string conditionText(const Condition& condition)
+std::string conditionText(const Condition& condition, const Description& description)
 {
   if (const auto* literal = std::get_if<Literal>(&condition))
   {
-    return toString(*literal);
+    return toString(*literal, description);
   }
   if (const auto* comparison = std::get_if<Comparison>(&condition))
   {
-    return comparison->left.name + " " + operatorText(comparison->op) + " " +
-           comparison->right.name;
+    return comparison->left.name + " " + toString(comparison->op) + " " + comparison->right.name;
   }
   const auto& membership = std::get<Membership>(condition);
   return (membership.negated ? "not " : "") + membership.sort + "(" + membership.term.name + ")";
 }
 
-std::string bodyText(const Body& body)
+std::string bodyText(const Body& body, const Description& description)
 {
   std::vector<std::string> parts;
   for (const Condition& condition : body)
   {
-    parts.push_back(conditionText(condition));
+    parts.push_back(conditionText(condition, description));
   }
   return joined(parts, ", ");
 }
 
-std::string ifText(const Body& body)
+std::string ifText(const Body& body, const Description& description)
 {
-  return body.empty() ? "" : " if " + bodyText(body);
+  return body.empty() ? "" : " if " + bodyText(body, description);
 }
 
-std::string outcomeText(const Outcome& outcome)
+std::string outcomeText(const Outcome& outcome, const Description& description)
 {
   std::vector<std::string> effects;
   for (const Effect& effect : outcome.effects)
   {
-    effects.push_back(effect.is_choice ? toString(effect.fluent) + " = {" + effect.value.name +
-                                             " : " + bodyText(effect.choice) + "}"
-                                       : toString(Literal{effect.fluent, effect.value, true}));
+    effects.push_back(effect.is_choice
+                          ? toString(effect.fluent) + " = {" + effect.value.name + " : " +
+                                bodyText(effect.choice, description) + "}"
+                          : toString(Literal{effect.fluent, effect.value, true}, description));
   }
   return (effects.empty() ? "nothing" : joined(effects, ", ")) +
          (outcome.label.empty() ? "" : " [" + outcome.label + "]");
+}
+
+/// The sort of the last argument of a fluent in the predicate form.
+std::string lastSort(const FluentDeclaration& fluent, const Description& description)
+{
+  const Sort* values = description.findSort(*fluent.value_sort);
+  return fluent.no_value.empty() || values == nullptr ? *fluent.value_sort
+                                                      : values->member_sorts.front();
+}
+
+std::string fluentText(const FluentDeclaration& fluent, const Description& description)
+{
+  if (fluent.predicate_form)
+  {
+    std::vector<std::string> sorts = fluent.argument_sorts;
+    sorts.push_back(lastSort(fluent, description));
+    return signature(fluent.name, sorts);
+  }
+  return signature(fluent.name, fluent.argument_sorts) +
+         (fluent.value_sort ? " : " + *fluent.value_sort : "");
+}
+
+/// `-loc(X1, Y1) if loc(X1, Y2), Y1 != Y2`, which makes a predicate a function.
+std::string exclusionLaw(const FluentDeclaration& fluent)
+{
+  std::vector<std::string> variables;
+  for (std::size_t i = 0; i < fluent.argument_sorts.size(); ++i)
+  {
+    variables.push_back("X" + std::to_string(i + 1));
+  }
+  std::vector<std::string> other = variables;
+  variables.emplace_back("Y1");
+  other.emplace_back("Y2");
+  return "-" + signature(fluent.name, variables) + " if " + signature(fluent.name, other) +
+         ", Y1 != Y2";
 }
 
 std::string sortText(const Sort& sort, const Description& description)
@@ -142,6 +143,12 @@ public:
     text_ << "  " << text << ".\n";
   }
 
+  void raw(const std::string& section, const std::string& text)
+  {
+    text_ << (text_.tellp() > 0 ? "\n" : "") << section << "\n" << text << "\n";
+    pending_.clear();
+  }
+
   [[nodiscard]] std::string text() const { return text_.str(); }
 
 private:
@@ -157,9 +164,20 @@ void printDeclarations(const Description& description, Printer& printer)
                       magnification.component_static);
   }
   printer.section("sorts");
+  std::set<std::string> made;  // by the checks, for partial functions
+  for (const FluentDeclaration& fluent : description.fluents)
+  {
+    if (!fluent.no_value.empty())
+    {
+      made.insert(*fluent.value_sort);
+    }
+  }
   for (const Sort& sort : description.sorts)
   {
-    printer.statement(sortText(sort, description));
+    if (made.count(sort.name) == 0)
+    {
+      printer.statement(sortText(sort, description));
+    }
   }
   for (const bool statics : {true, false})
   {
@@ -168,8 +186,7 @@ void printDeclarations(const Description& description, Printer& printer)
     {
       if ((fluent.kind == FluentKind::kStatic) == statics)
       {
-        printer.statement(kindText(fluent.kind) + signature(fluent.name, fluent.argument_sorts) +
-                          (fluent.value_sort ? " : " + *fluent.value_sort : ""));
+        printer.statement(kindText(fluent.kind) + fluentText(fluent, description));
       }
     }
   }
@@ -189,15 +206,26 @@ void printAxioms(const Description& description, Printer& printer)
     std::vector<std::string> outcomes;
     for (const Outcome& outcome : law.outcomes)
     {
-      outcomes.push_back(outcomeText(outcome));
+      outcomes.push_back(outcomeText(outcome, description));
     }
     printer.statement(toString(law.action) + " causes " + joined(outcomes, " or ") +
-                      ifText(law.body));
+                      ifText(law.body, description));
+  }
+  for (const FluentDeclaration& fluent : description.fluents)
+  {
+    if (fluent.predicate_form)
+    {
+      printer.statement(exclusionLaw(fluent));
+      if (fluent.no_value.empty())
+      {
+        printer.statement("total " + fluent.name);
+      }
+    }
   }
   for (const StateConstraint& constraint : description.constraints)
   {
-    printer.statement((constraint.head ? toString(*constraint.head) : "false") +
-                      ifText(constraint.body));
+    printer.statement((constraint.head ? toString(*constraint.head, description) : "false") +
+                      ifText(constraint.body, description));
   }
   for (const Executability& rule : description.executabilities)
   {
@@ -207,7 +235,7 @@ void printAxioms(const Description& description, Printer& printer)
       const auto* atom = std::get_if<Atom>(&action);
       actions.push_back(atom != nullptr ? toString(*atom) : toString(std::get<Term>(action)));
     }
-    printer.statement("impossible " + joined(actions, ", ") + ifText(rule.body));
+    printer.statement("impossible " + joined(actions, ", ") + ifText(rule.body, description));
   }
 }
 
@@ -219,23 +247,44 @@ std::string number(double value)
   return text.str();
 }
 
+/// What an action tells about: `loc(O) = P`, `loc(O, P)`, or `in_hand(R, O) = true`.
+std::string observedText(const ObservationLaw& law, const Description& description)
+{
+  const FluentDeclaration* fluent = description.findFluent(law.fluent.name);
+  return fluent != nullptr && fluent->predicate_form
+             ? toString(Literal{law.fluent, *law.value, true}, description)
+             : toString(law.fluent) + " = " + law.value->name;
+}
+
+void printAsp(const Description& description, Printer& printer)
+{
+  for (const AspBlock& block : description.asp_blocks)
+  {
+    printer.raw(block.part == AspPart::kBase    ? "asp"
+                : block.part == AspPart::kState ? "asp state"
+                                                : "asp transition",
+                block.text);
+  }
+}
+
 void printRest(const Description& description, Printer& printer)
 {
   printer.section("observations");
   for (const ObservationLaw& law : description.observations)
   {
-    printer.statement(toString(law.action) + " observes " + toString(law.fluent) +
-                      (law.value ? " = " + law.value->name : ""));
+    printer.statement(toString(law.action) + " observes " +
+                      (law.value ? observedText(law, description) : toString(law.fluent)));
   }
   printer.section("facts");
   for (const Literal& fact : description.static_facts)
   {
-    printer.statement(toString(fact));
+    printer.statement(toString(fact, description));
   }
   printer.section("defaults");
   for (const Default& rule : description.defaults)
   {
-    printer.statement(toString(rule.name) + ": " + toString(rule.head) + ifText(rule.body));
+    printer.statement(toString(rule.name) + ": " + toString(rule.head, description) +
+                      ifText(rule.body, description));
   }
   for (const Preference& preference : description.preferences)
   {
@@ -245,60 +294,12 @@ void printRest(const Description& description, Printer& printer)
   for (const ActionCost& cost : description.costs)
   {
     printer.statement("cost " + toString(cost.action) + " = " + number(cost.cost) +
-                      ifText(cost.body));
+                      ifText(cost.body, description));
   }
-}
-
-std::string formulaText(const Formula& formula, bool nested)
-{
-  switch (formula.kind)
-  {
-    case Formula::Kind::kLiteral:
-      return toString(formula.literal);
-    case Formula::Kind::kNot:
-      return "not " + formulaText(formula.operands.front(), true);
-    case Formula::Kind::kAnd:
-    case Formula::Kind::kOr:
-      break;
-  }
-  std::vector<std::string> parts;
-  for (const Formula& operand : formula.operands)
-  {
-    parts.push_back(formulaText(operand, true));
-  }
-  const std::string text = joined(parts, formula.kind == Formula::Kind::kAnd ? " and " : " or ");
-  return nested ? "(" + text + ")" : text;
+  printAsp(description, printer);
 }
 
 }  // namespace
-
-std::string toString(const Term& term)
-{
-  return term.name;
-}
-
-std::string toString(const Atom& atom)
-{
-  std::vector<std::string> arguments;
-  for (const Term& argument : atom.arguments)
-  {
-    arguments.push_back(argument.name);
-  }
-  return signature(atom.name, arguments);
-}
-
-std::string toString(const Literal& literal)
-{
-  if (!literal.value.is_variable && literal.equal && literal.value.name == "true")
-  {
-    return toString(literal.atom);
-  }
-  if (!literal.value.is_variable && literal.equal && literal.value.name == "false")
-  {
-    return "-" + toString(literal.atom);
-  }
-  return toString(literal.atom) + (literal.equal ? " = " : " != ") + literal.value.name;
-}
 
 std::string toString(const Description& description)
 {
@@ -307,11 +308,6 @@ std::string toString(const Description& description)
   printAxioms(description, printer);
   printRest(description, printer);
   return printer.text();
-}
-
-std::string toString(const Formula& formula)
-{
-  return formulaText(formula, false);
 }
 
 }  // namespace kr3::reasoner

@@ -604,7 +604,8 @@ PlanResult Reasoner::plan(const std::string& goal, const PlanOptions& options,
   const Formula formula = parseGoal(goal, impl_->description_);
   checkPlanOptions(options);
   const int step = impl_->currentStep();
-  if (options.relevant_only)
+  // What raw answer set programming code depends on, nothing says: then all is relevant.
+  if (options.relevant_only && impl_->description_.asp_blocks.empty())
   {
     return RelevantPlanner(impl_->groundRules(), impl_->records_, step, impl_->options_)
         .plan(formula, options, cancel);

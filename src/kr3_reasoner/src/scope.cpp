@@ -1,10 +1,9 @@
 #include "scope.hpp"
 
 #include <algorithm>
-#include <unordered_set>
-#include <utility>
+#include <set>
 
-#include "check.hpp"
+#include "diagnostics.hpp"
 
 namespace kr3::reasoner
 {
@@ -12,32 +11,31 @@ namespace kr3::reasoner
 namespace
 {
 
-bool contains(const std::vector<std::string>& items, const std::string& item)
+/// The number of arguments as the user wrote the fluent.
+std::string expectedArguments(const FluentDeclaration& fluent)
 {
-  return std::find(items.begin(), items.end(), item) != items.end();
+  const std::size_t arity = fluent.argument_sorts.size() + (fluent.predicate_form ? 1 : 0);
+  return std::to_string(arity);
 }
 
 }  // namespace
 
-std::vector<std::string> sortNames(const Description& description)
-{
-  std::vector<std::string> names;
-  for (const Sort& sort : description.sorts)
-  {
-    names.push_back(sort.name);
-  }
-  return names;
-}
-
-Scope::Scope(const Description& description, SourcePosition position,
+Scope::Scope(const Symbols& symbols, const SourcePosition& position,
              std::vector<Diagnostic>& problems)
-  : description_(description), position_(std::move(position)), problems_(problems)
+  : symbols_(symbols), position_(position), problems_(problems)
 {
 }
 
 void Scope::report(const SourcePosition& position, const std::string& message)
 {
   problems_.push_back({position.line > 0 ? position : position_, message});
+}
+
+std::string Scope::nearest(const std::string& name,
+                           const std::vector<std::string>& candidates) const
+{
+  constexpr std::size_t kEnough = 100;  // looking is slow, and nobody reads that far
+  return problems_.size() < kEnough ? suggestion(name, candidates) : "";
 }
 
 void Scope::useTerm(const Term& term, const std::string& sort_name, const SourcePosition& position)
@@ -52,54 +50,63 @@ void Scope::useTerm(const Term& term, const std::string& sort_name, const Source
     }
     return;
   }
-  const Sort* sort = description_.findSort(sort_name);
-  if (sort != nullptr && !contains(sort->elements, term.name))
+  const Sort* sort = symbols_.sort(sort_name);
+  if (sort != nullptr && !symbols_.hasElement(*sort, term.name))
   {
     report(position, "found '" + term.name + "', expected an element of the sort " + sort_name +
-                         suggestion(term.name, sort->elements));
+                         nearest(term.name, sort->elements));
   }
 }
 
 void Scope::useArguments(const Atom& atom, const std::vector<std::string>& sorts,
                          const std::string& what)
 {
-  if (atom.arguments.size() != sorts.size())
+  for (std::size_t i = 0; i < std::min(sorts.size(), atom.arguments.size()); ++i)
+  {
+    useTerm(atom.arguments[i], sorts[i], atom.position);
+  }
+  for (std::size_t i = sorts.size(); i < atom.arguments.size(); ++i)
+  {
+    if (atom.arguments[i].is_variable)
+    {
+      variables_[atom.arguments[i].name];  // the arity is wrong, the variable is not unsafe
+    }
+  }
+  if (!what.empty() && atom.arguments.size() != sorts.size())
   {
     report(atom.position, "found " + std::to_string(atom.arguments.size()) + " arguments of the " +
                               what + " " + atom.name + ", expected " +
                               std::to_string(sorts.size()));
   }
-  for (std::size_t i = 0; i < std::min(sorts.size(), atom.arguments.size()); ++i)
-  {
-    useTerm(atom.arguments[i], sorts[i], atom.position);
-  }
+}
+
+void Scope::useUnknown(const Atom& atom)
+{
+  useArguments(atom, {}, "");  // so that its variables are not reported as well
 }
 
 const FluentDeclaration* Scope::useFluent(const Atom& atom)
 {
-  const FluentDeclaration* fluent = description_.findFluent(atom.name);
+  const FluentDeclaration* fluent = symbols_.fluent(atom.name);
   if (fluent == nullptr)
   {
-    std::vector<std::string> known = sortNames(description_);
-    for (const FluentDeclaration& declared : description_.fluents)
-    {
-      known.push_back(declared.name);
-    }
-    const bool is_action = description_.findAction(atom.name) != nullptr;
+    const bool is_action = symbols_.action(atom.name) != nullptr;
     report(atom.position, is_action ? "found the action " + atom.name + ", expected a fluent"
                                     : "unknown fluent, static or sort '" + atom.name + "'" +
-                                          suggestion(atom.name, known));
-    for (const Term& term : atom.arguments)  // so that its variables are not reported as well
-    {
-      if (term.is_variable)
-      {
-        variables_[term.name];
-      }
-    }
+                                          nearest(atom.name, symbols_.fluentAndSortNames()));
+    useUnknown(atom);
     return nullptr;
   }
-  useArguments(atom, fluent->argument_sorts,
-               fluent->kind == FluentKind::kStatic ? "static" : "fluent");
+  const std::string what = fluent->kind == FluentKind::kStatic ? "static" : "fluent";
+  const std::size_t arity = fluent->argument_sorts.size();
+  if (fluent->predicate_form && atom.arguments.size() != arity)
+  {
+    useArguments(atom, fluent->argument_sorts, "");
+    report(atom.position, "found " + std::to_string(atom.arguments.size()) + " arguments of the " +
+                              what + " " + atom.name + ", expected " + expectedArguments(*fluent));
+    return nullptr;
+  }
+  useArguments(atom, fluent->argument_sorts, what);
   return fluent;
 }
 
@@ -108,17 +115,25 @@ void Scope::useValue(const FluentDeclaration& fluent, const Term& value,
 {
   if (fluent.value_sort)
   {
-    if (!value.is_variable && value.name == "true" &&
-        !contains(description_.findSort(*fluent.value_sort) == nullptr
-                      ? std::vector<std::string>{}
-                      : description_.findSort(*fluent.value_sort)->elements,
-                  "true"))
+    const Sort* sort = symbols_.sort(*fluent.value_sort);
+    const bool no_value = !value.is_variable && (value.name == "true" || value.name == "false") &&
+                          (sort == nullptr || !symbols_.hasElement(*sort, value.name));
+    if (no_value && fluent.predicate_form)
+    {
+      report(position, "found " + std::to_string(fluent.argument_sorts.size()) +
+                           " arguments of the fluent " + fluent.name + ", expected " +
+                           expectedArguments(fluent));
+    }
+    else if (no_value)
     {
       report(position, "found " + fluent.name + " without a value, expected '" + fluent.name +
-                           "(...) = ' and an element of the sort " + *fluent.value_sort);
-      return;
+                           (fluent.argument_sorts.empty() ? "" : "(...)") +
+                           " = ' and an element of the sort " + *fluent.value_sort);
     }
-    useTerm(value, *fluent.value_sort, position);
+    else
+    {
+      useTerm(value, *fluent.value_sort, position);
+    }
   }
   else if (value.is_variable || (value.name != "true" && value.name != "false"))
   {
@@ -147,22 +162,14 @@ const FluentDeclaration* Scope::useLiteral(const Literal& literal)
 
 void Scope::useAction(const Atom& atom)
 {
-  const ActionDeclaration* action = description_.findAction(atom.name);
+  const ActionDeclaration* action = symbols_.action(atom.name);
   if (action == nullptr)
   {
-    std::vector<std::string> known;
-    for (const ActionDeclaration& declared : description_.actions)
-    {
-      known.push_back(declared.name);
-    }
-    report(atom.position, "unknown action '" + atom.name + "'" + suggestion(atom.name, known));
-    for (const Term& term : atom.arguments)
-    {
-      if (term.is_variable)
-      {
-        variables_[term.name];
-      }
-    }
+    const bool is_fluent = symbols_.fluent(atom.name) != nullptr;
+    report(atom.position, is_fluent ? "found the fluent " + atom.name + ", expected an action"
+                                    : "unknown action '" + atom.name + "'" +
+                                          nearest(atom.name, symbols_.actionNames()));
+    useUnknown(atom);
     return;
   }
   useArguments(atom, action->argument_sorts, "action");
@@ -183,36 +190,40 @@ void Scope::mention(const Term& term, const SourcePosition& position)
   }
 }
 
+void Scope::useCondition(const Condition& condition)
+{
+  if (const auto* literal = std::get_if<Literal>(&condition))
+  {
+    useLiteral(*literal);
+    return;
+  }
+  if (const auto* comparison = std::get_if<Comparison>(&condition))
+  {
+    mention(comparison->left, comparison->position);
+    mention(comparison->right, comparison->position);
+    return;
+  }
+  const auto& membership = std::get<Membership>(condition);
+  if (symbols_.sort(membership.sort) == nullptr)
+  {
+    report(membership.position, "unknown sort '" + membership.sort + "'" +
+                                    nearest(membership.sort, symbols_.sortNames()));
+  }
+  else if (!membership.negated && membership.term.is_variable)
+  {
+    useTerm(membership.term, membership.sort, membership.position);
+  }
+  else
+  {
+    mention(membership.term, membership.position);
+  }
+}
+
 void Scope::useBody(const Body& body)
 {
   for (const Condition& condition : body)
   {
-    if (const auto* literal = std::get_if<Literal>(&condition))
-    {
-      useLiteral(*literal);
-    }
-    else if (const auto* comparison = std::get_if<Comparison>(&condition))
-    {
-      mention(comparison->left, position_);
-      mention(comparison->right, position_);
-    }
-    else
-    {
-      const auto& membership = std::get<Membership>(condition);
-      if (description_.findSort(membership.sort) == nullptr)
-      {
-        report(position_, "unknown sort '" + membership.sort + "'" +
-                              suggestion(membership.sort, sortNames(description_)));
-      }
-      else if (!membership.negated && membership.term.is_variable)
-      {
-        useTerm(membership.term, membership.sort, position_);
-      }
-      else
-      {
-        mention(membership.term, position_);
-      }
-    }
+    useCondition(condition);
   }
 }
 
@@ -230,40 +241,13 @@ void Scope::finish()
   }
   for (const auto& [name, use] : variables_)
   {
-    std::vector<std::string> common;
-    bool first = true;
-    bool checkable = !use.sorts.empty();
-    const std::set<std::string> distinct(use.sorts.begin(), use.sorts.end());
-    for (const std::string& sort_name : distinct)
-    {
-      const Sort* sort = description_.findSort(sort_name);
-      if (sort == nullptr || sort->elements.empty())
-      {
-        checkable = false;
-        break;
-      }
-      if (first)
-      {
-        common = sort->elements;
-      }
-      else
-      {
-        const std::unordered_set<std::string> elements(sort->elements.begin(),
-                                                       sort->elements.end());
-        common.erase(
-            std::remove_if(common.begin(), common.end(),
-                           [&](const std::string& item) { return elements.count(item) == 0; }),
-            common.end());
-      }
-      first = false;
-    }
     if (use.is_action && !use.sorts.empty())
     {
       report(use.position, "the variable " + name +
                                " stands for an action and for an element of the sort " +
                                use.sorts.front());
     }
-    else if (checkable && common.empty())
+    else if (!symbols_.haveCommonElement(use.sorts))
     {
       std::string sorts;
       for (const std::string& sort : std::set<std::string>(use.sorts.begin(), use.sorts.end()))

@@ -1,23 +1,22 @@
 #pragma once
 
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "kr3_reasoner/language.hpp"
+#include "symbols.hpp"
 
 namespace kr3::reasoner
 {
-
-[[nodiscard]] std::vector<std::string> sortNames(const Description& description);
 
 /// The variables of one statement: collects the sorts of the positions they stand in, and reports
 /// what does not fit. Private to the package.
 class Scope
 {
 public:
-  Scope(const Description& description, SourcePosition position, std::vector<Diagnostic>& problems);
+  /// All three must outlive the scope.
+  Scope(const Symbols& symbols, const SourcePosition& position, std::vector<Diagnostic>& problems);
 
   const FluentDeclaration* useFluent(const Atom& atom);
   const FluentDeclaration* useLiteral(const Literal& literal);
@@ -46,10 +45,14 @@ private:
   void useTerm(const Term& term, const std::string& sort, const SourcePosition& position);
   void useArguments(const Atom& atom, const std::vector<std::string>& sorts,
                     const std::string& what);
+  void useCondition(const Condition& condition);
+  void useUnknown(const Atom& atom);
   void report(const SourcePosition& position, const std::string& message);
+  [[nodiscard]] std::string nearest(const std::string& name,
+                                    const std::vector<std::string>& candidates) const;
 
-  const Description& description_;
-  SourcePosition position_;
+  const Symbols& symbols_;
+  const SourcePosition& position_;
   std::vector<Diagnostic>& problems_;
   std::map<std::string, Use> variables_;
   std::map<std::string, SourcePosition> mentioned_;

@@ -1,5 +1,8 @@
 #include "kr3_reasoner/language.hpp"
 
+#include <filesystem>
+#include <regex>
+
 #include <gtest/gtest.h>
 
 #include "kr3_reasoner/reasoner.hpp"
@@ -19,8 +22,13 @@ std::string problemsOf(const std::string& text)
 
 TEST(Language, RoundTripsEveryDescription)
 {
-  for (const std::string& path :
-       {kOffice + "domain.kr3", std::string(KR3_TEST_DIR) + "/data/lamps.kr3"})
+  std::vector<std::string> paths = {std::string(KR3_TEST_DIR) + "/data/lamps.kr3"};
+  for (const auto& folder : std::filesystem::directory_iterator(KR3_DOMAINS_DIR))
+  {
+    paths.push_back(folder.path() / "domain.kr3");
+  }
+  EXPECT_GE(paths.size(), 7U);
+  for (const std::string& path : paths)
   {
     const Description description = readDescription(path);
     const std::string text = toString(description);
@@ -62,63 +70,6 @@ TEST(Language, ReportsAllErrorsOfAFileWithTheirPlaces)
       << problems;
 }
 
-struct Mistake
-{
-  const char* axioms;
-  const char* message;
-};
-
-class LanguageMistakes : public testing::TestWithParam<Mistake>
-{
-};
-
-TEST_P(LanguageMistakes, AreNamed)
-{
-  const std::string start =
-      "sorts\n place = {office, kitchen}.\n box = {b1}.\n"
-      "statics\n near(place, place).\n"
-      "fluents\n inertial loc(box) : place.\n inertial open(box).\n defined seen(box).\n"
-      "actions\n push(box, place).\n";
-  const std::string problems = problemsOf(start + GetParam().axioms);
-  EXPECT_NE(problems.find(GetParam().message), std::string::npos) << problems;
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    All, LanguageMistakes,
-    testing::Values(
-        Mistake{"axioms\n opn(B) if open(B).\n",
-                "f:13:2: unknown fluent, static or sort 'opn'; did you mean 'open'?"},
-        Mistake{"axioms\n puhs(B, P) causes open(B).\n",
-                "f:13:2: unknown action 'puhs'; did you mean 'push'?"},
-        Mistake{"axioms\n push(B) causes open(B).\n",
-                "found 1 arguments of the action push, expected 2"},
-        Mistake{"axioms\n push(B, P) causes seen(B).\n",
-                "found the defined fluent seen as an effect"},
-        Mistake{"axioms\n push(B, P) causes near(P, P).\n", "found the static near as an effect"},
-        Mistake{"axioms\n push(B, B) causes open(B).\n",
-                "positions of the sorts box and place, which have no common"},
-        Mistake{"axioms\n open(B) if Z != b1.\n", "the variable Z is unsafe"},
-        Mistake{"axioms\n push(B, P) causes loc(B) = ofice.\n",
-                "found 'ofice', expected an element of the sort place"},
-        Mistake{"axioms\n push(B, P) causes loc(B).\n", "found loc without a value"},
-        Mistake{"axioms\n push(B, P) causes open(B) = P.\n",
-                "expected true or false: it is boolean"},
-        Mistake{"axioms\n seen(B) if not open(B).\n",
-                "found 'not' before the fluent open, expected '-'"},
-        Mistake{"axioms\n -seen(B) if open(B).\n", "expected a positive head"},
-        Mistake{"fluents\n inertial open(place).\n", "'open' is declared twice, first as a fluent"},
-        Mistake{"sorts\n p = q.\n q = p.\n", "contains itself, expected no cycle of sorts"},
-        Mistake{"facts\n near(office, P).\n",
-                "found the variable P, expected a fact without variables"},
-        Mistake{"facts\n open(b1).\n", "found the fluent open in a fact, expected a static"},
-        Mistake{"defaults\n d(B): seen(B).\n",
-                "the default d is about seen, expected an inertial fluent"},
-        Mistake{"defaults\n d(B): open(B).\n e(B): -open(B).\n prefer d(X) over e(X).\n prefer "
-                "e(X) over d(X).\n",
-                "closes a cycle, expected an order"},
-        Mistake{"axioms\n push(B, P) causes open(B) or nothing.\n",
-                "found several outcomes without a label"}));
-
 TEST(Language, GroundLiteralsAndGoalsAreChecked)
 {
   const Description office = readDescription(kOffice + "domain.kr3");
@@ -158,8 +109,71 @@ TEST(Language, HistoriesRoundTripAndNameTheirMistakes)
     static_cast<void>(parseHistory(
         "obs(loc(tb1) = kitchen, maybe, 1).\nhpd(mov(rob1, office), 0).\n", "h", office));
   });
-  EXPECT_NE(problems.find("h:1:1: "), std::string::npos) << problems;
-  EXPECT_NE(problems.find("h:2:1: "), std::string::npos) << problems;
+  EXPECT_EQ(problems,
+            "h:1:25: found maybe, expected true or false\n"
+            "h:2:5: unknown action 'mov'; did you mean 'move'?");
+}
+
+/// The blocks of a document that are fenced with the given word.
+std::vector<std::string> blocksOf(const std::string& document, const std::string& word)
+{
+  std::vector<std::string> blocks;
+  const std::string fence = "```" + word + "\n";
+  for (std::size_t at = document.find(fence); at != std::string::npos;)
+  {
+    const std::size_t begin = at + fence.size();
+    const std::size_t end = document.find("```", begin);
+    blocks.push_back(document.substr(begin, end - begin));
+    at = document.find(fence, end);
+  }
+  return blocks;
+}
+
+// docs/language.md: ```kr3 is a description, ```kr3-refinement refines the last description before
+// it, ```kr3-history and ```kr3-goal are about the first one, ```kr3-error is a wrong description
+// with the message after `%!`.
+TEST(Language, ReferenceHasExamplesThatAreTrue)
+{
+  const std::string reference = readText(std::string(KR3_DOMAINS_DIR) + "/../docs/language.md");
+  const std::vector<std::string> descriptions = blocksOf(reference, "kr3");
+  ASSERT_GE(descriptions.size(), 5U);
+  for (const std::string& description : descriptions)
+  {
+    EXPECT_NO_THROW(static_cast<void>(parseDescription(description, "example"))) << description;
+  }
+  const Description first = parseDescription(descriptions.front(), "example");
+  const std::vector<std::string> refinements = blocksOf(reference, "kr3-refinement");
+  ASSERT_GE(refinements.size(), 1U);
+  for (const std::string& refinement : refinements)
+  {
+    EXPECT_NO_THROW(static_cast<void>(parseRefinement(refinement, "example", first))) << refinement;
+  }
+  const std::vector<std::string> histories = blocksOf(reference, "kr3-history");
+  ASSERT_GE(histories.size(), 1U);
+  for (const std::string& history : histories)
+  {
+    EXPECT_NO_THROW(static_cast<void>(parseHistory(history, "example", first))) << history;
+  }
+  const std::vector<std::string> goals = blocksOf(reference, "kr3-goal");
+  ASSERT_GE(goals.size(), 1U);
+  for (const std::string& goal : goals)
+  {
+    EXPECT_NO_THROW(static_cast<void>(parseGoal(goal, first))) << goal;
+  }
+  const std::vector<std::string> errors = blocksOf(reference, "kr3-error");
+  ASSERT_GE(errors.size(), 1U);
+  for (const std::string& error : errors)
+  {
+    const std::string problems =
+        errorOf([&] { static_cast<void>(parseDescription(error, "file")); });
+    static const std::regex kExpected("%! (.*)\n");
+    for (std::sregex_iterator match(error.begin(), error.end(), kExpected), end; match != end;
+         ++match)
+    {
+      EXPECT_NE(problems.find((*match)[1]), std::string::npos) << problems << "\nexpected\n"
+                                                               << (*match)[1];
+    }
+  }
 }
 
 }  // namespace

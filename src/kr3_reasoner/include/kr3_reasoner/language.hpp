@@ -73,6 +73,7 @@ struct Comparison
   Term left;
   Operator op = Operator::kEqual;
   Term right;
+  SourcePosition position = {};
 };
 
 /// `textbook(X)` or `not textbook(X)`: X is, or is not, an element of the sort.
@@ -81,6 +82,7 @@ struct Membership
   std::string sort;
   Term term;
   bool negated = false;
+  SourcePosition position = {};
 };
 
 /// One element of a body `if c1, ..., cn`.
@@ -108,6 +110,11 @@ enum class FluentKind
 };
 
 /// `inertial loc(thing) : place.` A fluent with no value sort is boolean.
+///
+/// In the predicate form it reads `inertial loc(thing, place).` with the law `-loc(T, P1) if loc(T,
+/// P2), P1 != P2.` The checks rewrite it to a function; literals are still read and printed as
+/// `loc(rob1, office)`. Unless the file says `total loc.`, it is a partial function: its value sort
+/// is then made by the checks and has one element more, which stands for "no value".
 struct FluentDeclaration
 {
   std::string name;
@@ -115,6 +122,8 @@ struct FluentDeclaration
   std::vector<std::string> argument_sorts;
   std::optional<std::string> value_sort;
   SourcePosition position;
+  bool predicate_form = false;
+  std::string no_value = {};  ///< of a partial function, the element that stands for "no value"
 };
 
 /// `move(robot, place).` or `exogenous exo_move(object, place).`
@@ -217,6 +226,22 @@ struct Magnification
   SourcePosition position;
 };
 
+/// The part of the answer set program that a raw block joins.
+enum class AspPart
+{
+  kBase,        ///< `asp`: once
+  kState,       ///< `asp state`: for every step t
+  kTransition,  ///< `asp transition`: for every step t above 0, about what happens from t-1 to t
+};
+
+/// Answer set programming code of experts, taken as it is.
+struct AspBlock
+{
+  AspPart part = AspPart::kBase;
+  std::string text;
+  SourcePosition position;  ///< of the first character of `text`
+};
+
 /// A domain description, high or low level.
 struct Description
 {
@@ -232,6 +257,7 @@ struct Description
   std::vector<Preference> preferences;
   std::vector<ActionCost> costs;
   std::vector<Magnification> magnifications;
+  std::vector<AspBlock> asp_blocks;
 
   /// The named declaration, or nullptr.
   [[nodiscard]] const Sort* findSort(const std::string& name) const;
@@ -289,6 +315,12 @@ void checkDescription(Description& description);
 [[nodiscard]] std::string toString(const Atom& atom);
 [[nodiscard]] std::string toString(const Literal& literal);
 
+/// As above, but `loc(tb1, office)` or `-loc(tb1, office)` of a fluent in the predicate form.
+[[nodiscard]] std::string toString(const Literal& literal, const Description& description);
+
+/// `=`, `!=`, ...
+[[nodiscard]] const char* toString(Comparison::Operator op);
+
 /// The whole description in the language, so that parseDescription(toString(d)) equals d.
 [[nodiscard]] std::string toString(const Description& description);
 
@@ -313,5 +345,6 @@ struct Formula
 };
 [[nodiscard]] Formula parseGoal(const std::string& text, const Description& description);
 [[nodiscard]] std::string toString(const Formula& formula);
+[[nodiscard]] std::string toString(const Formula& formula, const Description& description);
 
 }  // namespace kr3::reasoner
