@@ -1,0 +1,107 @@
+// Programs of SPARC that follow the usual translation of AL become descriptions, histories and
+// goals.
+
+#include "kr3_reasoner/sparc.hpp"
+
+#include <gtest/gtest.h>
+
+#include "kr3_reasoner/reasoner.hpp"
+#include "support.hpp"
+
+namespace kr3::reasoner
+{
+namespace
+{
+
+/// A small delivery domain with all that such programs usually contain.
+const char* const kProgram = R"(
+#const n = 4.
+sorts
+#room = [room][1..3].
+#robot = {rob1}.
+#cup = {mug}.
+#thing = #robot + #cup.
+#step = 0..n.
+#inertial_fluent = loc(#thing, #room) + holding(#robot, #cup).
+#defined_fluent = busy(#robot).
+#fluent = #inertial_fluent + #defined_fluent.
+#action = go(#robot, #room) + take(#robot, #cup) + swap(#room(X), #room(Y)):X!=Y.
+predicates
+next_to(#room, #room).
+holds(#fluent, #step).
+occurs(#action, #step).
+success().
+goal(#step).
+rules
+% causal laws
+holds(loc(R, P), I+1) :- occurs(go(R, P), I).
+holds(holding(R, C), I+1) :- occurs(take(R, C), I), I < n.
+% state constraints
+-holds(loc(T, P2), I) :- holds(loc(T, P1), I), P1 != P2.
+holds(loc(C, P), I) :- holds(loc(R, P), I), holds(holding(R, C), I).
+holds(busy(R), I) :- holds(holding(R, C), I), #cup(C).
+% executability
+-occurs(go(R, P2), I) :- holds(loc(R, P1), I), -next_to(P1, P2).
+-occurs(take(R, C), I) :- holds(loc(R, P1), I), holds(loc(C, P2), I), P1 != P2.
+-occurs(take(R, C), I) :- holds(busy(R), I).
+:- occurs(A1, I), occurs(A2, I), A1 != A2.
+next_to(room1, room2).
+next_to(room2, room3).
+next_to(P1, P2) :- next_to(P2, P1).
+-next_to(P1, P2) :- not next_to(P1, P2).
+% inertia and closed worlds
+holds(F, I+1) :- #inertial_fluent(F), holds(F, I), not -holds(F, I+1).
+-holds(F, I+1) :- #inertial_fluent(F), -holds(F, I), not holds(F, I+1).
+-holds(F, I) :- #defined_fluent(F), not holds(F, I).
+-occurs(A, I) :- not occurs(A, I).
+% start, goal and planning
+holds(loc(rob1, room1), 0).
+holds(loc(mug, room3), 0).
+-holds(holding(rob1, mug), 0).
+goal(I) :- holds(loc(mug, room1), I).
+success :- goal(I).
+:- not success.
+occurs(A, I) | -occurs(A, I) :- not goal(I).
+)";
+
+TEST(Sparc, IsBroughtBackToTheActionLanguage)
+{
+  const SparcImport imported = importSparc(kProgram, "p");
+  Reasoner reasoner(parseDescription(imported.description, "imported"));
+  EXPECT_TRUE(reasoner.description().findFluent("loc")->predicate_form);
+  EXPECT_EQ(reasoner.description().findFluent("busy")->kind, FluentKind::kDefined);
+  reasoner.setHistory(parseHistory(imported.history, "imported", reasoner.description()));
+  EXPECT_EQ(reasoner.history().size(), 3U);
+  ASSERT_EQ(imported.goals, std::vector<std::string>{"loc(mug, room1)"});
+  const PlanResult result = reasoner.plan(imported.goals[0]);
+  ASSERT_EQ(result.plans.size(), 1U) << result.reason;
+  EXPECT_EQ(result.plans[0].steps, (std::vector<std::vector<std::string>>{{"go(rob1, room2)"},
+                                                                          {"go(rob1, room3)"},
+                                                                          {"take(rob1, mug)"},
+                                                                          {"go(rob1, room2)"},
+                                                                          {"go(rob1, room1)"}}));
+}
+
+TEST(Sparc, RefusesWhatIsNotInTheSubsetByLineAndReason)
+{
+  const std::string start =
+      "sorts\n#a = {x}.\n#fluent = f(#a).\n#action = go(#a).\n#step = 0..2.\n"
+      "predicates\nholds(#fluent, #step).\noccurs(#action, #step).\nrules\n";
+  const auto expectProblem = [&](const std::string& rule, const std::string& message) {
+    const std::string problems =
+        errorOf([&] { static_cast<void>(importSparc(start + rule + "\n", "p")); });
+    EXPECT_NE(problems.find(message), std::string::npos) << problems;
+  };
+  expectProblem("holds(f(X), I) :- not holds(f(X), I).", "p:10:1: found 'not', expected it in");
+  expectProblem("holds(f(X), I+2) :- occurs(go(X), I).", "p:10:1: found a step that is not");
+  expectProblem("holds(f(X), I) :+ #a(X).", "p:10:16: found ':+', expected '.'");
+  expectProblem("occurs(go(x), 0).", "p:10:1: found occurs in the head, expected holds");
+  expectProblem(":- #count{X : holds(f(X), I)} > 1.", "p:10:10: found '{', expected '.'");
+  expectProblem("holds(f(X), 0) :- #a(X).", "p:10:1: found a rule about step 0");
+  expectProblem("holds(f(X+1), I) :- holds(f(X), I).", "p:10:1: found arithmetic");
+  // all of them in one run
+  expectProblem("occurs(go(x), 0).\nq(X) :- #a(X).", "p:11:1: found q in the head");
+}
+
+}  // namespace
+}  // namespace kr3::reasoner
