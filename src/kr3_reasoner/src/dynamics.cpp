@@ -136,10 +136,10 @@ Dynamics::Rules Dynamics::ground(const Description& description)
   solver.control().register_observer(recorder, true);
   solver.add("base", {}, encoding.signature() + kInputRules);
   solver.add("outputs", {}, kOutputRules);
-  solver.add("executability", {"t"}, encoding.executability());
-  solver.add("prices", {"t"}, encoding.prices());
-  solver.add("effects", {"t"}, encoding.effects());
-  solver.add("state", {"t"}, encoding.constraints());
+  solver.add("executability", {"_t"}, encoding.executability());
+  solver.add("prices", {"_t"}, encoding.prices());
+  solver.add("effects", {"_t"}, encoding.effects());
+  solver.add("state", {"_t"}, encoding.constraints());
   Rules rules;
   GroundProgram facts;
   recorder.recordInto(facts);

@@ -83,6 +83,34 @@ std::set<std::string> variablesOf(const std::vector<Term>& terms)
   return names;
 }
 
+/// An expert's code, where the step is `t`, with the step called `_t` as in our own rules: a
+/// constant of the description may be called `t`, and would be taken for the step.
+std::string withOurStep(const std::string& code)
+{
+  const auto inWord = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '\'';
+  };
+  std::string text;
+  for (std::size_t i = 0; i < code.size();)
+  {
+    std::size_t end = i + 1;
+    if (code[i] == '%' || code[i] == '"')  // comments and strings stay
+    {
+      end = std::min(code.find(code[i] == '%' ? '\n' : '"', end), code.size() - 1) + 1;
+    }
+    else if (inWord(code[i]))
+    {
+      end = static_cast<std::size_t>(
+          std::find_if_not(code.begin() + static_cast<std::ptrdiff_t>(i), code.end(), inWord) -
+          code.begin());
+    }
+    const std::string token = code.substr(i, end - i);
+    text += token == "t" ? "_t" : token;
+    i = end;
+  }
+  return text;
+}
+
 std::string tuple(const std::vector<std::string>& items)
 {
   std::string text = "(";
@@ -199,7 +227,7 @@ std::string Encoding::body(const Body& body, const std::string& step) const
 std::string Encoding::differs(const Literal& literal, const Term& value) const
 {
   const std::string fluent = term(literal.atom);
-  return "basic(" + fluent + "), not h(" + fluent + "," + value.name + ",t-1)";
+  return "basic(" + fluent + "), not h(" + fluent + "," + value.name + ",_t-1)";
 }
 
 /// Guards and body at t-1. `F != V`, and `F = V` with `V != W` where V stands nowhere else, are
@@ -247,7 +275,7 @@ std::string Encoding::conditionsBefore(const Body& body, const Guards& guards,
     {
       text += ", " + (part != nullptr && !part->equal && isFunctional(*part)
                           ? differs(*part, part->value)
-                          : condition(body[i], "t-1"));
+                          : condition(body[i], "_t-1"));
     }
   }
   return guards.text(gone) + text;
@@ -381,11 +409,11 @@ std::string Encoding::stateBody(const StateConstraint& constraint) const
     if (isCircular(constraint, condition))
     {
       const auto& literal = std::get<Literal>(condition);
-      text += ", ne(" + term(literal.atom) + "," + literal.value.name + ",t)";
+      text += ", ne(" + term(literal.atom) + "," + literal.value.name + ",_t)";
     }
     else
     {
-      text += body({condition}, "t");
+      text += body({condition}, "_t");
     }
   }
   return text;
@@ -413,7 +441,7 @@ std::string Encoding::unequalRules() const
 
 std::string Encoding::state() const
 {
-  return ":- basic(_F), not 1 { h(_F,_V,t) : fv(_F,_V) } 1.\n" + constraints();
+  return ":- basic(_F), not 1 { h(_F,_V,_t) : fv(_F,_V) } 1.\n" + constraints();
 }
 
 std::string Encoding::constraints() const
@@ -421,7 +449,8 @@ std::string Encoding::constraints() const
   std::string text;
   if (!unequalRules().empty())
   {
-    text += "ne(_F,_V,t) :- watched(_F,_V), h(_F,_W,t), _W != _V.\n:- ne(_F,_V,t), h(_F,_V,t).\n";
+    text +=
+        "ne(_F,_V,_t) :- watched(_F,_V), h(_F,_W,_t), _W != _V.\n:- ne(_F,_V,_t), h(_F,_V,_t).\n";
   }
   for (const StateConstraint& constraint : description_.constraints)
   {
@@ -430,7 +459,7 @@ std::string Encoding::constraints() const
     text += comment(constraint.position);
     if (!constraint.head)
     {
-      text += ":- #true" + guards.text() + body(constraint.body, "t") + ".\n";
+      text += ":- #true" + guards.text() + body(constraint.body, "_t") + ".\n";
       continue;
     }
     const Literal& head = *constraint.head;
@@ -442,11 +471,11 @@ std::string Encoding::constraints() const
     const std::string conditions = guards.text() + stateBody(constraint) + ".\n";
     if (head.equal || isBoolean(head))
     {
-      text += literal(head, "t") + " :- #true" + conditions;
+      text += literal(head, "_t") + " :- #true" + conditions;
     }
     else
     {
-      text += ":- h(" + term(head.atom) + "," + head.value.name + ",t)" + conditions;
+      text += ":- h(" + term(head.atom) + "," + head.value.name + ",_t)" + conditions;
     }
   }
   return text + rawBlocks(AspPart::kState);
@@ -457,7 +486,7 @@ std::string Encoding::lawRules(const CausalLaw& law, std::size_t index) const
   Guards guards(description_);
   guards.action(law.action).body(law.body);
   std::string text = comment(law.position);
-  const std::string fired = "occ(" + term(law.action) + ",t-1)";
+  const std::string fired = "occ(" + term(law.action) + ",_t-1)";
   const bool deterministic =
       law.outcomes.size() == 1 &&
       std::none_of(law.outcomes[0].effects.begin(), law.outcomes[0].effects.end(),
@@ -472,7 +501,7 @@ std::string Encoding::lawRules(const CausalLaw& law, std::size_t index) const
       std::set<std::string> used = variablesOf(law.action.arguments);
       used.merge(variablesOf(effect.fluent.arguments));
       used.merge(variablesOf({effect.value}));
-      text += "h(" + term(effect.fluent) + "," + effect.value.name + ",t) :- " + fired +
+      text += "h(" + term(effect.fluent) + "," + effect.value.name + ",_t) :- " + fired +
               conditionsBefore(law.body, here, used) + ".\n";
     }
     return text;
@@ -498,7 +527,7 @@ std::string Encoding::lawRules(const CausalLaw& law, std::size_t index) const
   }
   const std::string number = std::to_string(index);
   const std::string keys = tuple(key.variables());
-  const std::string fire = "fire(" + number + "," + keys + "," + term(law.action) + ",t)";
+  const std::string fire = "fire(" + number + "," + keys + "," + term(law.action) + ",_t)";
   const std::vector<std::string> key_variables = key.variables();
   std::set<std::string> used(key_variables.begin(), key_variables.end());
   used.merge(variablesOf(law.action.arguments));
@@ -510,26 +539,26 @@ std::string Encoding::lawRules(const CausalLaw& law, std::size_t index) const
     for (std::size_t j = 0; j < law.outcomes[i].effects.size(); ++j)
     {
       const Effect& effect = law.outcomes[i].effects[j];
-      const std::string out = "out(" + label + "," + term(law.action) + ",t)";
+      const std::string out = "out(" + label + "," + term(law.action) + ",_t)";
       if (!effect.is_choice)
       {
-        text += "h(" + term(effect.fluent) + "," + effect.value.name + ",t) :- " + out + ".\n";
+        text += "h(" + term(effect.fluent) + "," + effect.value.name + ",_t) :- " + out + ".\n";
         continue;
       }
       const std::string picked = label + "," + std::to_string(j);
       Guards choice = key;
       choice.literal({effect.fluent, effect.value, true}).body(effect.choice);
-      text += "cand(" + picked + "," + effect.value.name + ",t) :- " + fire + choice.text() +
-              body(effect.choice, "t-1") + ".\n";
-      text += "1 { pick(" + picked + ",_Z,t) : cand(" + picked + ",_Z,t) } 1 :- " + out + ".\n";
+      text += "cand(" + picked + "," + effect.value.name + ",_t) :- " + fire + choice.text() +
+              body(effect.choice, "_t-1") + ".\n";
+      text += "1 { pick(" + picked + ",_Z,_t) : cand(" + picked + ",_Z,_t) } 1 :- " + out + ".\n";
       text +=
-          "h(" + term(effect.fluent) + ",_Z,t) :- pick(" + picked + ",_Z,t)" + key.text() + ".\n";
-      possible += ", cand(" + picked + ",_Z" + std::to_string(j) + ",t)";
+          "h(" + term(effect.fluent) + ",_Z,_t) :- pick(" + picked + ",_Z,_t)" + key.text() + ".\n";
+      possible += ", cand(" + picked + ",_Z" + std::to_string(j) + ",_t)";
     }
-    text += "can(" + label + "," + term(law.action) + ",t) :- " + fire + possible + ".\n";
+    text += "can(" + label + "," + term(law.action) + ",_t) :- " + fire + possible + ".\n";
   }
-  text += "1 { out(" + number + ",_O," + keys + "," + term(law.action) + ",t) : can(" + number +
-          ",_O," + keys + "," + term(law.action) + ",t) } 1 :- " + fire + ".\n";
+  text += "1 { out(" + number + ",_O," + keys + "," + term(law.action) + ",_t) : can(" + number +
+          ",_O," + keys + "," + term(law.action) + ",_t) } 1 :- " + fire + ".\n";
   return text;
 }
 
@@ -578,8 +607,8 @@ std::string Encoding::executabilityRules(const Executability& rule, std::size_t 
     Guards own_guards(description_);
     own_guards.literal(*literal);
     const std::string some =
-        "some(" + std::to_string(index) + "," + std::to_string(i) + "," + tuple(shared) + ",t-1)";
-    text += some + " :- #true" + own_guards.text() + ", " + condition(rule.body[i], "t-1") + ".\n";
+        "some(" + std::to_string(index) + "," + std::to_string(i) + "," + tuple(shared) + ",_t-1)";
+    text += some + " :- #true" + own_guards.text() + ", " + condition(rule.body[i], "_t-1") + ".\n";
     apart += ", " + some;
   }
   guards.body(together);
@@ -587,7 +616,7 @@ std::string Encoding::executabilityRules(const Executability& rule, std::size_t 
   {
     guards.action(*atom);
   }
-  return text + "imp(" + only + ",t-1) :- " + (atom != nullptr ? "#true" : "agent(" + only + ")") +
+  return text + "imp(" + only + ",_t-1) :- " + (atom != nullptr ? "#true" : "agent(" + only + ")") +
          conditionsBefore(together, guards, used) + apart + ".\n";
 }
 
@@ -600,7 +629,7 @@ std::string Encoding::exclusionRules(const Executability& rule) const
   }
   if (isPairwiseExclusion(rule))
   {
-    return comment(rule.position) + ":- 2 { occ(_A,t-1) : agent(_A) }.\n";
+    return comment(rule.position) + ":- 2 { occ(_A,_t-1) : agent(_A) }.\n";
   }
   Guards guards(description_);
   guards.body(rule.body);
@@ -612,13 +641,13 @@ std::string Encoding::exclusionRules(const Executability& rule) const
     {
       guards.action(*atom);
       used.merge(variablesOf(atom->arguments));
-      occurrences += ", occ(" + term(*atom) + ",t-1)";
+      occurrences += ", occ(" + term(*atom) + ",_t-1)";
     }
     else
     {
       const std::string variable = std::get<Term>(action).name;
       used.insert(variable);
-      occurrences += ", occ(" + variable + ",t-1), agent(" + variable + ")";
+      occurrences += ", occ(" + variable + ",_t-1), agent(" + variable + ")";
     }
   }
   return comment(rule.position) + ":- #true" + occurrences +
@@ -630,7 +659,7 @@ std::string Encoding::effects() const
   std::string text;
   if (!unequalRules().empty())
   {
-    text += "{ ne(_F,_V,t) } :- ne(_F,_V,t-1).\n";  // f != v stays as it was, too
+    text += "{ ne(_F,_V,_t) } :- ne(_F,_V,_t-1).\n";  // f != v stays as it was, too
   }
   for (std::size_t i = 0; i < description_.causal_laws.size(); ++i)
   {
@@ -662,16 +691,16 @@ std::string Encoding::prices() const
     Guards guards(description_);
     guards.action(cost.action).body(cost.body);
     text += comment(cost.position) + "price(" + term(cost.action) + "," +
-            std::to_string(std::lround(cost.cost * kMilli)) + ",t-1) :- #true" + guards.text() +
-            body(cost.body, "t-1") + ".\n";
+            std::to_string(std::lround(cost.cost * kMilli)) + ",_t-1) :- #true" + guards.text() +
+            body(cost.body, "_t-1") + ".\n";
   }
   return text;
 }
 
 std::string Encoding::transition() const
 {
-  return "{ h(_F,_V,t) } :- h(_F,_V,t-1), basic(_F).\n" + effects() + executability() +
-         ":- occ(_A,t-1), imp(_A,t-1).\n";
+  return "{ h(_F,_V,_t) } :- h(_F,_V,_t-1), basic(_F).\n" + effects() + executability() +
+         ":- occ(_A,_t-1), imp(_A,_t-1).\n";
 }
 
 std::string Encoding::rawBlocks(AspPart part) const
@@ -681,7 +710,8 @@ std::string Encoding::rawBlocks(AspPart part) const
   {
     if (block.part == part)
     {
-      text += comment(block.position) + block.text + "\n";
+      text += comment(block.position) +
+              (part == AspPart::kBase ? block.text : withOurStep(block.text)) + "\n";
     }
   }
   return text;

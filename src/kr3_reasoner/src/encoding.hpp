@@ -15,7 +15,8 @@ namespace kr3::reasoner
 /// `h(F, V, t)`: the fluent F has the value V at step t (defined fluents: only V = true). `occ(A,
 /// t)`: the action A occurs between t and t + 1. `st(F, V)`: the static F has the value V.
 /// Variables of the description keep their names; our own begin with an underscore, which the
-/// language does not allow. Parts: `base`, `state(t)`, `trans(t)` from t-1 to t.
+/// language does not allow. Parts: `base`, `state(_t)`, `trans(_t)` from _t-1 to _t (a
+/// constant of the description may be called `t`).
 class Encoding
 {
 public:

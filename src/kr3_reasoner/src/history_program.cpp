@@ -90,8 +90,8 @@ clash(_L) :- x(_L,_F,_V), y(_L,_F,_W), _V != _W.
 )";
 
 const char* const kExogenousRules = R"(
-abducible(exo(_A,t-1)) :- exog(_A).
-occ(_A,t-1) :- ab(exo(_A,t-1)).
+abducible(exo(_A,_t-1)) :- exog(_A).
+occ(_A,_t-1) :- ab(exo(_A,_t-1)).
 )";
 
 const char* const kMinimizeRules = R"(
@@ -421,9 +421,9 @@ std::string HistoryProgram::recordRules(const std::vector<CheckedRecord>& record
 void HistoryProgram::addTo(Solver& solver) const
 {
   solver.add("base", {}, encoding_.signature() + closure() + kInitialStateRules);
-  solver.add("state", {"t"}, encoding_.state());
-  solver.add("trans", {"t"}, encoding_.transition());
-  solver.add("exo", {"t"}, kExogenousRules);
+  solver.add("state", {"_t"}, encoding_.state());
+  solver.add("trans", {"_t"}, encoding_.transition());
+  solver.add("exo", {"_t"}, kExogenousRules);
   solver.add("minimize", {}, kMinimizeRules);
   solver.add("bound", {"r", "a"}, kBoundRules);
 }
@@ -455,8 +455,8 @@ std::string HistoryProgram::text(const std::vector<CheckedRecord>& records,
                                  const Assumable& assumable) const
 {
   return "#program base.\n" + encoding_.signature() + closure() + kInitialStateRules +
-         "\n#program state(t).\n" + encoding_.state() + "\n#program trans(t).\n" +
-         encoding_.transition() + "\n#program exo(t).\n" + kExogenousRules +
+         "\n#program state(_t).\n" + encoding_.state() + "\n#program trans(_t).\n" +
+         encoding_.transition() + "\n#program exo(_t).\n" + kExogenousRules +
          "\n#program minimize.\n" + kMinimizeRules + "\n#program bound(r,a).\n" + kBoundRules +
          "\n#program records.\n" + recordRules(records, assumable, false);
 }

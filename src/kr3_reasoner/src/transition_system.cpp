@@ -149,8 +149,8 @@ TransitionSystem::TransitionSystem(const Description& description, std::size_t m
   const Encoding encoding(description);
   Solver solver({"0", "--warn=none"});
   solver.add("base", {}, encoding.signature() + Encoding::anyState());
-  solver.add("state", {"t"}, encoding.state());
-  solver.add("trans", {"t"}, encoding.transition());
+  solver.add("state", {"_t"}, encoding.state());
+  solver.add("trans", {"_t"}, encoding.transition());
   solver.add("act", {}, "1 { occ(_A,0) : agent(_A) } 1.\n");
   solver.ground({{"base", {}}, {"state", {0}}});
   ModelReader reader(description, fluents_, actions_);

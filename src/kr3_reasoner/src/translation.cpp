@@ -226,14 +226,14 @@ std::string translationOf(const Description& description, const HistoryProgram& 
   std::string text = header(current_step, optimum, goal);
   text += "\n% ---- Sorts, fluents and actions; what is known initially ----\n" +
           withoutShow(parts["base"]);
-  text += "\n% ---- Every state ----\n" + overAllSteps(parts["state"], "t", "time");
+  text += "\n% ---- Every state ----\n" + overAllSteps(parts["state"], "_t", "time");
   text += "\n% ---- Every transition, to a step from the one before ----\n" +
-          overAllSteps(parts["trans"], "t", "transition");
+          overAllSteps(parts["trans"], "_t", "transition");
   text += "\n% ---- The history ----\n" + parts["records"];
   if (optimum.assumable.exogenous)
   {
     text += "\n% ---- Exogenous actions that may be assumed ----\n" +
-            overAllSteps(parts["exo"], "t", "past");
+            overAllSteps(parts["exo"], "_t", "past");
   }
   text +=
       "\n% ---- No more is assumed than it takes. Without these two, the minimum itself is "

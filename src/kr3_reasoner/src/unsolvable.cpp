@@ -48,7 +48,7 @@ bool isPossible(const Description& description, const std::vector<Formula>& conj
   Solver solver({"1", "--warn=none"});
   const Encoding encoding(description);
   solver.add("base", {}, encoding.signature() + Encoding::anyState());
-  solver.add("state", {"t"}, encoding.state());
+  solver.add("state", {"_t"}, encoding.state());
   Formula goal;
   goal.kind = Formula::Kind::kAnd;
   goal.operands = conjuncts;

@@ -172,6 +172,23 @@ TEST(Translation, RefusesAnInconsistentHistory)
   EXPECT_EQ(errorOf([&] { (void)reasoner.models(5); }), error);
 }
 
+TEST(Translation, ToleratesConstantsCalledAsItsParts)
+{
+  // A part's parameter replaces a constant of its name.
+  Reasoner reasoner(
+      parseDescription("sorts\n box = {t, n, r, a}.\nfluents\n inertial on(box).\n"
+                       "actions\n turn(box).\naxioms\n turn(X) causes on(X).\n"
+                       " impossible turn(X) if on(X).\n",
+                       "boxes"));
+  reasoner.setHistory(
+      parseHistory("init(on(t), false). init(on(n), true). init(on(r), false). "
+                   "init(on(a), false). hpd(turn(t), 0).",
+                   "history", reasoner.description()));
+  const std::set<Facts> models = modelsOf(reasoner);
+  EXPECT_EQ(models, (std::set<Facts>{{"assumed 0", "0:on(n)", "0>turn(t)", "1:on(n)", "1:on(t)"}}));
+  EXPECT_EQ(answerSets(reasoner.translation()), models);
+}
+
 TEST(OverAllSteps, ReplacesTheParameterAndKeepsComments)
 {
   EXPECT_EQ(
