@@ -12,6 +12,7 @@
 #include "sparc_signature.hpp"
 #include "sparc_syntax.hpp"
 #include "sparc_terms.hpp"
+#include "text_file.hpp"
 
 namespace kr3::reasoner
 {
@@ -327,6 +328,11 @@ SparcImport importSparc(const std::string& text, const std::string& file)
   SparcImport result = Importer(program, problems).run();
   throwIfAny(std::move(problems));
   return result;
+}
+
+SparcImport readSparc(const std::string& path)
+{
+  return importSparc(readTextFile(path), path);
 }
 
 }  // namespace kr3::reasoner

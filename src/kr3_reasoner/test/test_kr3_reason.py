@@ -196,7 +196,7 @@ def test_every_command_tells_the_place_of_bad_input(command, tmp_path):
     history = tmp_path / "wrong.hist"
     history.write_text("init(on(left), true).\nobs(on(middle), true, 1).\n")
     result = run(command, LAMPS, *ask, "--history", history, "--format", "json")
-    assert result.returncode == 1 and f"{history}:2:1: " in result.stderr
+    assert result.returncode == 1 and f"{history}:2:5: " in result.stderr
     error = json.loads(result.stdout)
     assert error["command"] == command
     assert error["error"]["code"] == "INVALID_ARGUMENT"
@@ -236,3 +236,25 @@ def test_help_shows_an_example(command):
     result = run(command, "--help")
     assert result.returncode == 0
     assert f"kr3_reason {command} domain.kr3" in result.stdout or "refinement" in result.stdout
+
+
+def test_a_sparc_program_is_imported_and_can_be_planned_with(tmp_path):
+    program = DATA / "delivery.sp"
+    parts = {}
+    for part in ("description", "history", "goals"):
+        result = run("import-sparc", program, "--part", part)
+        assert result.returncode == 0, result.stderr
+        parts[part] = result.stdout
+    (tmp_path / "domain.kr3").write_text(parts["description"])
+    (tmp_path / "start.history").write_text(parts["history"])
+    goal = parts["goals"].strip()
+    reply = answer(
+        "plan", tmp_path / "domain.kr3", "--history", tmp_path / "start.history", "--goal", goal
+    )
+    # room1 to room3 and back, one room at a time, with the mug
+    assert len(reply["plans"][0]["steps"]) == 5
+    assert answer("import-sparc", program)["goals"] == [goal]
+    broken = tmp_path / "broken.sp"
+    broken.write_text("sorts\n#room = .\n")
+    result = run("import-sparc", broken)
+    assert result.returncode == 1 and f"{broken}:2:" in result.stderr

@@ -8,6 +8,8 @@
 
 #include <kr3_common/error.hpp>
 
+#include "kr3_reasoner/sparc.hpp"
+
 namespace kr3::reasoner::tool
 {
 
@@ -338,6 +340,20 @@ Reply relevant(const Arguments& arguments)
            {"records", records},
            {"considered", sizeJson(part.considered)},
            {"whole", sizeJson(part.whole)}},
+          true};
+}
+
+Reply importSparc(const Arguments& arguments)
+{
+  if (arguments.files.size() != 1)
+  {
+    throw InvalidArgument("found " + std::to_string(arguments.files.size()) +
+                          " files, expected one SPARC program");
+  }
+  const SparcImport imported = readSparc(arguments.files[0]);
+  return {{{"description", imported.description},
+           {"history", imported.history},
+           {"goals", imported.goals}},
           true};
 }
 

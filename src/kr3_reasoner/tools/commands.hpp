@@ -33,6 +33,7 @@ struct Arguments
   bool whole = false;  ///< plan on the whole description
   std::size_t limit = 10;
   bool all = false;
+  std::string part = "description";  ///< of an imported program, in text
   bool exit_code = false;
   bool exogenous = false;
   int exception_weight = 1;
@@ -58,5 +59,6 @@ struct Reply
 [[nodiscard]] Reply diagnose(const Arguments& arguments);
 [[nodiscard]] Reply plan(const Arguments& arguments);
 [[nodiscard]] Reply relevant(const Arguments& arguments);
+[[nodiscard]] Reply importSparc(const Arguments& arguments);
 
 }  // namespace kr3::reasoner::tool

@@ -119,6 +119,17 @@ public:
             tool::relevant, "kr3_reason relevant domain.kr3 --history day.hist --goal \"on(red)\"");
     addHistory(relevant);
     relevant.add_option("--goal", arguments_.goal, "a FORMULA over literals")->required();
+
+    CLI::App& import_sparc =
+        add("import-sparc", "Bring a SPARC program of the common subset to this language",
+            tool::importSparc,
+            "kr3_reason import-sparc program.sp > domain.kr3\n"
+            "kr3_reason import-sparc program.sp --part history > start.history");
+    import_sparc
+        .add_option("--part", arguments_.part,
+                    "what to print as text: description, history or goals")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"description", "history", "goals"}));
   }
 
   [[nodiscard]] CLI::App& app() { return app_; }

@@ -212,10 +212,28 @@ std::string planText(const Json& answer)
                      : "\nThere are more plans as good as these (--max-plans N)\n");
 }
 
+std::string importedText(const Arguments& arguments, const Json& answer)
+{
+  if (arguments.part != "goals")
+  {
+    return answer[arguments.part].get<std::string>();
+  }
+  std::string text;
+  for (const Json& goal : answer["goals"])
+  {
+    text += goal.get<std::string>() + "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string textOf(const Arguments& arguments, const Json& answer)
 {
+  if (arguments.command == "import-sparc")
+  {
+    return importedText(arguments, answer);
+  }
   static const std::map<std::string, std::function<std::string(const Json&)>> kWriters = {
       {"check", checkText},
       {"entails", entailsText},

@@ -25,4 +25,7 @@ struct SparcImport
 ///                          subset
 [[nodiscard]] SparcImport importSparc(const std::string& text, const std::string& file);
 
+/// Reads and translates a file. @throws NotFound  no such file; InvalidArgument as importSparc
+[[nodiscard]] SparcImport readSparc(const std::string& path);
+
 }  // namespace kr3::reasoner
