@@ -305,6 +305,7 @@ void Reasoner::addRecords(const std::vector<Record>& records)
 
 Diagnosis Reasoner::diagnose() const
 {
+  constexpr std::size_t kMaxJustifiedAlternatives = 8;  // a proof each: people read no more
   Diagnosis diagnosis;
   const std::optional<Optimum>& optimum = impl_->optimum();
   diagnosis.consistent = optimum.has_value();
@@ -339,7 +340,10 @@ Diagnosis Reasoner::diagnose() const
     }
     diagnosis.explanations.push_back(std::move(statements));
     diagnosis.in_words.push_back(alternative.in_words);
-    explainer.justify(alternative, explanation);
+    if (diagnosis.alternatives.size() < kMaxJustifiedAlternatives)
+    {
+      explainer.justify(alternative, explanation);
+    }
     diagnosis.alternatives.push_back(std::move(alternative));
   }
   return diagnosis;

@@ -102,7 +102,8 @@ struct Assumption
   std::string sentence;               ///< in words
   int price = 0;                      ///< of a wrong record: 100 times its log-odds
   std::vector<std::string> defaults;  ///< ground, to which this is an exception
-  std::vector<std::size_t> because;   ///< records that contradict the history without it
+  std::vector<std::size_t> because;   ///< records that contradict the history without it; of the
+                                      ///< first eight alternatives of a diagnosis only
   std::string because_in_words;       ///< empty when no proof was found within bounds
 };
 
