@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <functional>
 #include <map>
-#include <optional>
 
+#include "instances.hpp"
 #include "kr3_reasoner/transition_system.hpp"
 
 namespace kr3::reasoner
@@ -10,74 +10,6 @@ namespace kr3::reasoner
 
 namespace
 {
-
-using Binding = std::map<std::string, std::string>;
-
-Term bound(const Term& term, const Binding& binding)
-{
-  const auto found = term.is_variable ? binding.find(term.name) : binding.end();
-  return found == binding.end() ? term : Term{false, found->second};
-}
-
-Literal bound(Literal literal, const Binding& binding)
-{
-  for (Term& argument : literal.atom.arguments)
-  {
-    argument = bound(argument, binding);
-  }
-  literal.value = bound(literal.value, binding);
-  return literal;
-}
-
-/// The binding under which an open action is the ground one, if there is one.
-std::optional<Binding> unified(const Atom& open, const Atom& ground)
-{
-  Binding binding;
-  if (open.name != ground.name || open.arguments.size() != ground.arguments.size())
-  {
-    return std::nullopt;
-  }
-  for (std::size_t i = 0; i < open.arguments.size(); ++i)
-  {
-    const std::string& constant = ground.arguments[i].name;
-    const Term& term = open.arguments[i];
-    if (term.is_variable ? binding.emplace(term.name, constant).first->second != constant
-                         : term.name != constant)
-    {
-      return std::nullopt;
-    }
-  }
-  return binding;
-}
-
-bool compare(const Comparison& comparison, const Binding& binding)
-{
-  const std::string left = bound(comparison.left, binding).name;
-  const std::string right = bound(comparison.right, binding).name;
-  const auto isNumber = [](const std::string& text) {
-    return text.find_first_not_of("-0123456789") == std::string::npos;
-  };
-  const int order = isNumber(left) && isNumber(right) ? (std::stol(left) < std::stol(right)   ? -1
-                                                         : std::stol(left) > std::stol(right) ? 1
-                                                                                              : 0)
-                                                      : left.compare(right);
-  switch (comparison.op)
-  {
-    case Comparison::Operator::kEqual:
-      return order == 0;
-    case Comparison::Operator::kNotEqual:
-      return order != 0;
-    case Comparison::Operator::kLess:
-      return order < 0;
-    case Comparison::Operator::kLessEqual:
-      return order <= 0;
-    case Comparison::Operator::kGreater:
-      return order > 0;
-    case Comparison::Operator::kGreaterEqual:
-      return order >= 0;
-  }
-  return false;
-}
 
 class BodyInstances
 {
@@ -182,7 +114,8 @@ private:
       }
       else if (const auto* comparison = std::get_if<Comparison>(&condition))
       {
-        if (!compare(*comparison, binding))
+        if (!holds(bound(comparison->left, binding).name, comparison->op,
+                   bound(comparison->right, binding).name))
         {
           return;
         }
@@ -213,11 +146,10 @@ std::vector<std::vector<Literal>> executabilityBodies(const Description& descrip
   for (const Executability& rule : description.executabilities)
   {
     const auto* open = rule.actions.size() == 1 ? std::get_if<Atom>(&rule.actions[0]) : nullptr;
-    const std::optional<Binding> binding =
-        open == nullptr ? std::nullopt : unified(*open, ground_action);
-    if (binding)
+    Binding binding;
+    if (open != nullptr && unify(*open, ground_action, binding))
     {
-      const auto instances = BodyInstances(description, rule.body).under(*binding);
+      const auto instances = BodyInstances(description, rule.body).under(binding);
       bodies.insert(bodies.end(), instances.begin(), instances.end());
     }
   }

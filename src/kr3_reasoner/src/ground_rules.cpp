@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "history.hpp"
+#include "instances.hpp"
 
 namespace kr3::reasoner
 {
@@ -333,38 +334,6 @@ std::string textOf(const std::string& name, const std::vector<std::string>& argu
     text += (i == 0 ? "(" : ", ") + arguments[i];
   }
   return arguments.empty() ? text : text + ")";
-}
-
-bool isNumber(const std::string& text)
-{
-  const std::size_t start = text.empty() || text[0] != '-' ? 0 : 1;
-  return text.size() > start && text.find_first_not_of("0123456789", start) == std::string::npos;
-}
-
-bool holds(const std::string& left, Comparison::Operator op, const std::string& right)
-{
-  int order = left.compare(right);
-  if (isNumber(left) && isNumber(right))
-  {
-    const long difference = std::stol(left) - std::stol(right);
-    order = difference < 0 ? -1 : difference > 0 ? 1 : 0;
-  }
-  switch (op)
-  {
-    case Comparison::Operator::kEqual:
-      return order == 0;
-    case Comparison::Operator::kNotEqual:
-      return order != 0;
-    case Comparison::Operator::kLess:
-      return order < 0;
-    case Comparison::Operator::kLessEqual:
-      return order <= 0;
-    case Comparison::Operator::kGreater:
-      return order > 0;
-    case Comparison::Operator::kGreaterEqual:
-      return order >= 0;
-  }
-  return false;
 }
 
 }  // namespace

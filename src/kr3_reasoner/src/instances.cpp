@@ -11,40 +11,10 @@ namespace kr3::reasoner
 namespace
 {
 
-Term bound(const Term& term, const Binding& binding)
-{
-  const auto found = term.is_variable ? binding.find(term.name) : binding.end();
-  return found == binding.end() ? term : Term{false, found->second};
-}
-
 bool isNumber(const std::string& text)
 {
-  return !text.empty() && text.find_first_not_of("-0123456789") == std::string::npos;
-}
-
-bool compare(const Comparison& comparison, const Binding& binding)
-{
-  const std::string left = bound(comparison.left, binding).name;
-  const std::string right = bound(comparison.right, binding).name;
-  const bool numbers = isNumber(left) && isNumber(right);
-  const long difference = numbers ? std::atol(left.c_str()) - std::atol(right.c_str())
-                                  : static_cast<long>(left.compare(right));
-  switch (comparison.op)
-  {
-    case Comparison::Operator::kEqual:
-      return difference == 0;
-    case Comparison::Operator::kNotEqual:
-      return difference != 0;
-    case Comparison::Operator::kLess:
-      return difference < 0;
-    case Comparison::Operator::kLessEqual:
-      return difference <= 0;
-    case Comparison::Operator::kGreater:
-      return difference > 0;
-    case Comparison::Operator::kGreaterEqual:
-      return difference >= 0;
-  }
-  return false;
+  const std::size_t start = text.empty() || text[0] != '-' ? 0 : 1;
+  return text.size() > start && text.find_first_not_of("0123456789", start) == std::string::npos;
 }
 
 std::vector<Term> termsOf(const Condition& condition)
@@ -71,6 +41,38 @@ bool isGround(const Condition& condition, const Binding& binding)
 }
 
 }  // namespace
+
+bool holds(const std::string& left, Comparison::Operator op, const std::string& right)
+{
+  int order = left.compare(right);
+  if (isNumber(left) && isNumber(right))
+  {
+    const long difference = std::stol(left) - std::stol(right);
+    order = difference < 0 ? -1 : difference > 0 ? 1 : 0;
+  }
+  switch (op)
+  {
+    case Comparison::Operator::kEqual:
+      return order == 0;
+    case Comparison::Operator::kNotEqual:
+      return order != 0;
+    case Comparison::Operator::kLess:
+      return order < 0;
+    case Comparison::Operator::kLessEqual:
+      return order <= 0;
+    case Comparison::Operator::kGreater:
+      return order > 0;
+    case Comparison::Operator::kGreaterEqual:
+      return order >= 0;
+  }
+  return false;
+}
+
+Term bound(const Term& term, const Binding& binding)
+{
+  const auto found = term.is_variable ? binding.find(term.name) : binding.end();
+  return found == binding.end() ? term : Term{false, found->second};
+}
 
 bool unify(const Atom& open, const Atom& ground, Binding& binding)
 {
@@ -206,7 +208,8 @@ bool Instances::decided(const Condition& condition, const Binding& binding) cons
   }
   if (const auto* comparison = std::get_if<Comparison>(&condition))
   {
-    return compare(*comparison, binding);
+    return holds(bound(comparison->left, binding).name, comparison->op,
+                 bound(comparison->right, binding).name);
   }
   const auto& membership = std::get<Membership>(condition);
   return inSort(bound(membership.term, binding).name, membership.sort) != membership.negated;

@@ -19,6 +19,11 @@ using Binding = std::map<std::string, std::string>;
 /// false where it cannot; `binding` is then worth nothing.
 [[nodiscard]] bool unify(const Atom& open, const Atom& ground, Binding& binding);
 
+/// Whether a comparison of two constants is true: of numbers by value, of others by name.
+[[nodiscard]] bool holds(const std::string& left, Comparison::Operator op,
+                         const std::string& right);
+
+[[nodiscard]] Term bound(const Term& term, const Binding& binding);
 [[nodiscard]] Atom bound(Atom atom, const Binding& binding);
 [[nodiscard]] Literal bound(Literal literal, const Binding& binding);
 

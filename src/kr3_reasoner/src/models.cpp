@@ -391,30 +391,6 @@ std::vector<SymbolicModel> modelsOf(const HistoryProgram& program, const Records
   return models;
 }
 
-std::vector<std::string> firingDefaults(const HistoryProgram& program, const Records& records,
-                                        int current_step, const Optimum& optimum,
-                                        const Atom& fluent)
-{
-  SolvedHistory solved(program, records, current_step, optimum, {"0", "--warn=none"});
-  const auto defaults = solved.history->defaultsAbout(toSymbol(fluent));
-  std::vector<SolverLiteral> literals;
-  for (const UnrolledHistory::FiringDefault& rule : defaults)
-  {
-    literals.push_back(rule.literal);
-  }
-  const LiteralTruths truths(solved.solver, literals);
-  std::vector<std::string> names;
-  for (const UnrolledHistory::FiringDefault& rule : defaults)
-  {
-    if (truths.inAll(rule.literal))
-    {
-      names.push_back(toText(rule.name));
-    }
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
 std::vector<std::size_t> minimalConflict(const HistoryProgram& program, const Records& records,
                                          int current_step)
 {

@@ -85,13 +85,6 @@ struct SymbolicModel
                                                   int current_step, const Optimum& optimum,
                                                   std::size_t limit);
 
-/// The defaults, as `d1(tb1)`, that fire in every model with a minimal explanation and whose head
-/// is about a fluent.
-[[nodiscard]] std::vector<std::string> firingDefaults(const HistoryProgram& program,
-                                                      const std::vector<CheckedRecord>& records,
-                                                      int current_step, const Optimum& optimum,
-                                                      const Atom& fluent);
-
 /// Indices of a minimal set of records that are inconsistent together.
 [[nodiscard]] std::vector<std::size_t> minimalConflict(const HistoryProgram& program,
                                                        const std::vector<CheckedRecord>& records,

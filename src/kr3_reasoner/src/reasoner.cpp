@@ -24,18 +24,6 @@ namespace
 
 constexpr std::size_t kMaxRetractions = 8;
 
-Literal toLiteral(const GroundFluent& fluent, const std::string& value)
-{
-  Literal literal;
-  literal.atom.name = fluent.symbol;
-  for (const std::string& argument : fluent.arguments)
-  {
-    literal.atom.arguments.push_back({false, argument});
-  }
-  literal.value.name = value;
-  return literal;
-}
-
 }  // namespace
 
 class Reasoner::Impl
@@ -388,7 +376,7 @@ std::vector<HistoryModel> Reasoner::models(std::size_t limit) const
     std::vector<Literal> state;
     for (const GroundFluent& fluent : fluents)
     {
-      state.push_back(toLiteral(fluent, "false"));  // what no definition makes true
+      state.push_back(literalOf(fluent, "false"));  // what no definition makes true
     }
     model.states.assign(static_cast<std::size_t>(last) + 1, state);
     for (const Clingo::Symbol& holds : symbolic.holds)
@@ -415,7 +403,7 @@ std::vector<Literal> Reasoner::entailedAt(int step) const
   std::vector<Literal> entailed;
   for (const GroundFluent& fluent : groundFluents(impl_->description_))
   {
-    Literal literal = toLiteral(fluent, "");
+    Literal literal = literalOf(fluent, "");
     std::vector<Literal> excluded;
     bool settled = false;
     for (const std::string& value : fluent.values)
@@ -448,7 +436,7 @@ std::vector<std::string> Reasoner::possibleValues(const std::string& fluent, int
   std::vector<std::string> values;
   for (const std::string& value : ground.values)
   {
-    if (consequences.inSome(toLiteral(ground, value), step))
+    if (consequences.inSome(literalOf(ground, value), step))
     {
       values.push_back(value);
     }
@@ -509,7 +497,7 @@ OpenQuestion Reasoner::whyUnknown(const std::string& text, int step) const
   const std::vector<std::string> current = possibleValues(fluent, now);
   const bool decides = std::all_of(current.begin(), current.end(), [&](const std::string& value) {
     Record seen;
-    seen.statement = toString(toLiteral(impl_->groundFluent(fluent), value));
+    seen.statement = toString(literalOf(impl_->groundFluent(fluent), value));
     seen.step = now;
     const Reasoner supposed = supposing({seen});
     return !supposed.impl_->optimum() || supposed.entails(text, step) != Answer::kUnknown;
@@ -576,7 +564,7 @@ Retraction Reasoner::leastCertainRefutation(const std::string& fluent) const
   std::vector<Literal> possible_now;
   for (const std::string& value : ground.values)
   {
-    const Literal literal = toLiteral(ground, value);
+    const Literal literal = literalOf(ground, value);
     if (any.inSome(literal, now))
     {
       possible_now.push_back(literal);
@@ -590,7 +578,7 @@ Retraction Reasoner::leastCertainRefutation(const std::string& fluent) const
     }
     for (const std::string& value : reduced.possibleValues(fluent, now))
     {
-      const Literal literal = toLiteral(ground, value);
+      const Literal literal = literalOf(ground, value);
       if (!any.inSome(literal, now))
       {
         retraction.opens = toString(literal);
