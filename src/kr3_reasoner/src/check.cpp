@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "asp_check.hpp"
+#include "definition_check.hpp"
 #include "preferences.hpp"
 #include "scope.hpp"
 #include "sort_completion.hpp"
@@ -303,6 +304,10 @@ std::vector<Diagnostic> check(Description& description)
   {
     Checker(description, problems).run();
     checkAsp(description, problems);
+    if (problems.empty())
+    {
+      checkDefinitions(description, problems);
+    }
   }
   return problems;
 }

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "encoding.hpp"
 #include "history.hpp"
+#include "solver.hpp"
 
 namespace kr3::reasoner
 {
@@ -157,23 +159,27 @@ Instances::Instances(const Description& description) : description_(description)
   addDerivedStatics();
 }
 
+/// Axioms may derive statics from the absence of others, so that the order of the rules must not
+/// matter: clingo's grounder settles them.
 void Instances::addDerivedStatics()
 {
-  for (bool grown = true; grown;)
+  const bool derives =
+      std::any_of(description_.constraints.begin(), description_.constraints.end(),
+                  [&](const StateConstraint& rule) { return rule.head && isStatic(*rule.head); });
+  if (!derives)
   {
-    grown = false;
-    for (const StateConstraint& rule : description_.constraints)
+    return;
+  }
+  Solver solver({"--warn=none"});
+  solver.add("base", {}, Encoding(description_).vocabulary() + "#defined st/2.\n");
+  solver.ground({{"base", {}}});
+  const Clingo::SymbolicAtoms atoms = solver.control().symbolic_atoms();
+  for (auto it = atoms.begin(Clingo::Signature("st", 2)); it; ++it)
+  {
+    if (it->is_fact())
     {
-      if (!rule.head || !isStatic(*rule.head))
-      {
-        continue;
-      }
-      forEach({{}, {}, {&*rule.head}, {&rule.body}}, {}, [&](const Binding& binding) {
-        const Literal head = bound(*rule.head, binding);
-        grown = (head.equal && head.value.name != "false" &&
-                 statics_.emplace(toString(head.atom), head.value.name).second) ||
-                grown;
-      });
+      const auto arguments = it->symbol().arguments();
+      statics_.emplace(toText(arguments[0]), toText(arguments[1]));
     }
   }
 }

@@ -5,103 +5,11 @@
 #include <string>
 #include <unordered_map>
 
+#include "components.hpp"
 #include "diagnostics.hpp"
 
 namespace kr3::reasoner
 {
-
-namespace
-{
-
-/// The defaults as a graph: an edge from the better to the worse. Finds the strongly connected
-/// components (Tarjan 1972), without recursion.
-class Components
-{
-public:
-  explicit Components(const std::vector<std::vector<std::size_t>>& edges)
-    : edges_(edges), number_(edges.size(), 0), lowest_(edges.size(), 0), component_(edges.size(), 0)
-  {
-    for (std::size_t node = 0; node < edges.size(); ++node)
-    {
-      if (number_[node] == 0)
-      {
-        visit(node);
-      }
-    }
-  }
-
-  [[nodiscard]] bool together(std::size_t a, std::size_t b) const
-  {
-    return component_[a] == component_[b];
-  }
-
-private:
-  struct Visit
-  {
-    std::size_t node;
-    std::size_t next_edge;
-  };
-
-  void enter(std::size_t node)
-  {
-    number_[node] = lowest_[node] = ++last_number_;
-    open_.push_back(node);
-    path_.push_back({node, 0});
-  }
-
-  void visit(std::size_t root)
-  {
-    enter(root);
-    while (!path_.empty())
-    {
-      const std::size_t node = path_.back().node;
-      if (path_.back().next_edge < edges_[node].size())
-      {
-        const std::size_t next = edges_[node][path_.back().next_edge++];
-        if (number_[next] == 0)
-        {
-          enter(next);
-        }
-        else if (component_[next] == 0)
-        {
-          lowest_[node] = std::min(lowest_[node], number_[next]);
-        }
-        continue;
-      }
-      path_.pop_back();
-      if (!path_.empty())
-      {
-        const std::size_t parent = path_.back().node;
-        lowest_[parent] = std::min(lowest_[parent], lowest_[node]);
-      }
-      if (lowest_[node] == number_[node])
-      {
-        close(node);
-      }
-    }
-  }
-
-  void close(std::size_t node)
-  {
-    ++last_component_;
-    while (component_[node] == 0)
-    {
-      component_[open_.back()] = last_component_;
-      open_.pop_back();
-    }
-  }
-
-  const std::vector<std::vector<std::size_t>>& edges_;
-  std::vector<std::size_t> number_;
-  std::vector<std::size_t> lowest_;
-  std::vector<std::size_t> component_;
-  std::vector<std::size_t> open_;
-  std::vector<Visit> path_;
-  std::size_t last_number_ = 0;
-  std::size_t last_component_ = 0;
-};
-
-}  // namespace
 
 void checkPreferences(const Description& description, std::vector<Diagnostic>& problems)
 {
