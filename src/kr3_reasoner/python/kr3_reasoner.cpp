@@ -59,15 +59,26 @@ public:
     : reasoner_(std::move(description), std::move(options))
   {
   }
-  explicit SharedReasoner(Reasoner reasoner) : reasoner_(std::move(reasoner)) {}
+
+  SharedReasoner(Reasoner reasoner, std::shared_ptr<std::mutex> mutex)
+    : mutex_(std::move(mutex)), reasoner_(std::move(reasoner))
+  {
+  }
 
   /// Asks a question without the interpreter's lock.
   template <typename Question>
   auto ask(Question question)
   {
     const py::gil_scoped_release release;
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::lock_guard<std::mutex> lock(*mutex_);
     return question(reasoner_);
+  }
+
+  /// One that answers what if; both share what was made of the description, and so the lock.
+  std::unique_ptr<SharedReasoner> supposing(const std::vector<Record>& hypothetical)
+  {
+    return std::make_unique<SharedReasoner>(
+        ask([&](Reasoner& reasoner) { return reasoner.supposing(hypothetical); }), mutex_);
   }
 
   /// Plans in a thread of its own, so that Ctrl-C ends it.
@@ -76,7 +87,7 @@ public:
   {
     constexpr std::chrono::milliseconds kPoll(20);
     const py::gil_scoped_release release;
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::lock_guard<std::mutex> lock(*mutex_);
     std::atomic<bool> cancel{false};
     std::future<PlanResult> result =
         std::async(std::launch::async, [&] { return reasoner_.plan(goal, options, &cancel); });
@@ -100,7 +111,8 @@ public:
   }
 
 private:
-  std::mutex mutex_;
+  // with the reasoners that this one supposes
+  std::shared_ptr<std::mutex> mutex_ = std::make_shared<std::mutex>();
   Reasoner reasoner_;
 };
 
@@ -492,9 +504,7 @@ void bindReasoner(py::module_& module)
           py::arg("literal"), py::arg("step"), "Why is the literal entailed?")
       .def(
           "supposing",
-          [](R& r, const std::vector<Record>& hypothetical) {
-    return std::make_unique<R>(r.ask([&](Reasoner& q) { return q.supposing(hypothetical); }));
-          },
+          [](R& r, const std::vector<Record>& hypothetical) { return r.supposing(hypothetical); },
           py::arg("hypothetical"),
           "What if these records were in the history as well? A reasoner that answers; this one "
           "does not change.")

@@ -13,6 +13,7 @@
 #include "builder.hpp"
 #include "check.hpp"
 #include "grammar.hpp"
+#include "ground_phrases.hpp"
 #include "text.hpp"
 #include "text_file.hpp"
 
@@ -238,8 +239,9 @@ Literal contrary(const Literal& literal, const Description& description)
   return normalized(std::move(opposite), description);
 }
 
-CheckedRecord checkRecord(const Record& record, const Description& description)
+CheckedRecord checkRecord(const Record& record, const Symbols& symbols)
 {
+  const Description& description = symbols.description();
   CheckedRecord checked;
   checked.record = record;
   const auto refuse = [&](const std::string& why) {
@@ -258,13 +260,13 @@ CheckedRecord checkRecord(const Record& record, const Description& description)
   {
     if (checked.isAction())
     {
-      checked.action = parseGroundAction(record.statement, description);
+      checked.action = parseGroundAction(record.statement, symbols);
       checked.record.statement = toString(checked.action);
     }
     else
     {
       const Literal literal =
-          normalized(parseGroundLiteral(record.statement, description), description);
+          normalized(parseGroundLiteral(record.statement, symbols), description);
       checked.record.statement = toString(literal, description);
       checked.literal = record.value ? literal : contrary(literal, description);
     }

@@ -4,6 +4,7 @@
 
 #include "kr3_reasoner/language.hpp"
 #include "kr3_reasoner/reasoner.hpp"
+#include "symbols.hpp"
 
 namespace kr3::reasoner
 {
@@ -23,7 +24,7 @@ struct CheckedRecord
 };
 
 /// @throws InvalidArgument  the statement does not fit the description, or a number is out of range
-[[nodiscard]] CheckedRecord checkRecord(const Record& record, const Description& description);
+[[nodiscard]] CheckedRecord checkRecord(const Record& record, const Symbols& symbols);
 
 /// 100 times the log-odds that an uncertain record is right, at least 1.
 [[nodiscard]] int doubtOf(const Record& record);

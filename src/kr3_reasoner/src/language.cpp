@@ -10,6 +10,7 @@
 #include "builder.hpp"
 #include "check.hpp"
 #include "grammar.hpp"
+#include "ground_phrases.hpp"
 #include "predicate_form.hpp"
 #include "text.hpp"
 #include "text_file.hpp"
@@ -238,24 +239,34 @@ void checkDescription(Description& description)
   throwIfAny(check(description));
 }
 
-Literal parseGroundLiteral(const std::string& text, const Description& description)
+Literal parseGroundLiteral(const std::string& text, const Symbols& symbols)
 {
   const grammar::Node node = parsePhrase(grammar::Kind::kGroundLiteral, text, quoted(text));
-  Builder builder(quoted(text), &description);
+  Builder builder(quoted(text), &symbols.description());
   Literal literal = builder.literal(node);
   throwIfAny(std::move(builder.problems));
-  throwIfAny(checkGround(literal, Symbols(description)));
+  throwIfAny(checkGround(literal, symbols));
   return literal;
+}
+
+Literal parseGroundLiteral(const std::string& text, const Description& description)
+{
+  return parseGroundLiteral(text, Symbols(description));
+}
+
+Atom parseGroundAction(const std::string& text, const Symbols& symbols)
+{
+  const grammar::Node node = parsePhrase(grammar::Kind::kGroundAction, text, quoted(text));
+  Builder builder(quoted(text), &symbols.description());
+  Atom action = builder.atom(node);
+  throwIfAny(std::move(builder.problems));
+  throwIfAny(checkGroundAction(action, symbols));
+  return action;
 }
 
 Atom parseGroundAction(const std::string& text, const Description& description)
 {
-  const grammar::Node node = parsePhrase(grammar::Kind::kGroundAction, text, quoted(text));
-  Builder builder(quoted(text), &description);
-  Atom action = builder.atom(node);
-  throwIfAny(std::move(builder.problems));
-  throwIfAny(checkGroundAction(action, Symbols(description)));
-  return action;
+  return parseGroundAction(text, Symbols(description));
 }
 
 Formula parseGoal(const std::string& text, const Description& description)

@@ -222,7 +222,8 @@ public:
   [[nodiscard]] OpenQuestion whyUnknown(const std::string& literal, int step) const;
 
   /// What if these records were in the history as well? The reasoner that answers has the same
-  /// description and options; this one does not change.
+  /// description and options; this one does not change. Both share what was made of the
+  /// description, so that together they are as little thread-safe as one alone.
   /// @throws InvalidArgument  a record does not fit the description
   [[nodiscard]] Reasoner supposing(const std::vector<Record>& hypothetical) const;
 
@@ -263,6 +264,8 @@ public:
 
 private:
   class Impl;
+  explicit Reasoner(std::unique_ptr<Impl> impl);
+
   std::unique_ptr<Impl> impl_;
 };
 

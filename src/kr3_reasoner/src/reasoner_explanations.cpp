@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <utility>
+
+#include "explain.hpp"
+#include "reasoner_impl.hpp"
+
+namespace kr3::reasoner
+{
+
+Diagnosis Reasoner::diagnose() const
+{
+  constexpr std::size_t kMaxJustifiedAlternatives = 8;  // a proof each: people read no more
+  Diagnosis diagnosis;
+  const std::optional<Optimum>& optimum = impl_->optimum();
+  diagnosis.consistent = optimum.has_value();
+  if (!optimum)
+  {
+    diagnosis.conflict_records =
+        minimalConflict(impl_->program(), impl_->records(), impl_->currentStep());
+    for (const std::size_t i : diagnosis.conflict_records)
+    {
+      diagnosis.conflict.push_back(toString(impl_->history()[i]));
+    }
+    diagnosis.conflict_in_words =
+        "these records cannot all be right: " + impl_->conflictText(diagnosis.conflict_records);
+    return diagnosis;
+  }
+  diagnosis.cost = optimum->price.assumptions + optimum->price.retractions;
+  const Words words = impl_->words();
+  Explainer explainer(impl_->description(), words, impl_->instances(), impl_->records(),
+                      impl_->currentStep(), nullptr);
+  for (const auto& explanation :
+       explanationsOf(impl_->program(), impl_->records(), impl_->currentStep(), *optimum))
+  {
+    ExplanationAlternative alternative;
+    alternative.price = diagnosis.cost;
+    std::vector<std::string> statements;
+    for (const Clingo::Symbol& assumed : explanation)
+    {
+      alternative.assumptions.push_back(words.assumption(assumed));
+      statements.push_back(alternative.assumptions.back().statement);
+      alternative.in_words +=
+          (alternative.in_words.empty() ? "" : "; ") + alternative.assumptions.back().sentence;
+    }
+    diagnosis.explanations.push_back(std::move(statements));
+    diagnosis.in_words.push_back(alternative.in_words);
+    if (diagnosis.alternatives.size() < kMaxJustifiedAlternatives)
+    {
+      explainer.justify(alternative, explanation);
+    }
+    diagnosis.alternatives.push_back(std::move(alternative));
+  }
+  return diagnosis;
+}
+
+Explanation Reasoner::explain(const std::string& literal, int step) const
+{
+  const Literal parsed = parseGroundLiteral(literal, impl_->description());
+  Explanation explanation;
+  if (!impl_->consequences(step).inAll(parsed, step))
+  {
+    return explanation;
+  }
+  return impl_->explain(parsed, step);
+}
+
+OpenQuestion Reasoner::whyUnknown(const std::string& text, int step) const
+{
+  const Literal literal =
+      normalized(parseGroundLiteral(text, impl_->description()), impl_->description());
+  const Consequences& consequences = impl_->consequences(step);
+  const std::string fluent = toString(literal.atom);
+  const std::string at = " at step " + std::to_string(step);
+  OpenQuestion question;
+  question.open = !consequences.inAll(literal, step) && consequences.inSome(literal, step);
+  if (impl_->instances().isStatic(literal))
+  {
+    return question;  // a static is never open
+  }
+  question.values = possibleValues(fluent, step);
+  if (!question.open)
+  {
+    question.reasons.push_back(toString(literal) + at +
+                               (consequences.inAll(literal, step) ? " is known" : " is excluded"));
+    return question;
+  }
+  question.reasons.push_back(fluent + at + " may be " + listed(question.values));
+  for (const GroundDefault& instance : impl_->words().defaultsAbout(literal.atom))
+  {
+    std::vector<std::string> unknown;
+    for (const Literal& condition : instance.body)
+    {
+      if (!consequences.inAll(condition, 0))
+      {
+        unknown.push_back(toString(condition));
+      }
+    }
+    question.reasons.push_back(
+        "default " + instance.name + " would say initially " + toString(instance.head) + ", but " +
+        (!unknown.empty() ? listed(unknown) + " initially is not known"
+         : !consequences.inSome(instance.head, 0)
+             ? "that is excluded"
+             : "something else that is assumed or a default of equal rank contradicts it"));
+  }
+  const int now = currentStep();
+  const std::vector<std::string> current = possibleValues(fluent, now);
+  const bool decides = std::all_of(current.begin(), current.end(), [&](const std::string& value) {
+    Record seen;
+    seen.statement = toString(literalOf(impl_->groundFluent(fluent), value));
+    seen.step = now;
+    const Reasoner supposed = supposing({seen});
+    return !supposed.impl_->optimum() || supposed.entails(text, step) != Answer::kUnknown;
+  });
+  if (decides && current.size() > 1)
+  {
+    question.deciding.push_back(fluent);
+    question.reasons.push_back("observing " + fluent + " at step " + std::to_string(now) +
+                               " would settle it");
+  }
+  return question;
+}
+
+}  // namespace kr3::reasoner

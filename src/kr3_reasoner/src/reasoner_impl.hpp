@@ -1,0 +1,79 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "domain_knowledge.hpp"
+#include "entailment_check.hpp"
+#include "ground_fluents.hpp"
+#include "kr3_reasoner/reasoner.hpp"
+#include "models.hpp"
+#include "words.hpp"
+
+namespace kr3::reasoner
+{
+
+/// A history with what has been found out about it. Private to the package.
+class Reasoner::Impl
+{
+public:
+  Impl(std::shared_ptr<DomainKnowledge> knowledge, int least_step);
+
+  [[nodiscard]] const std::shared_ptr<DomainKnowledge>& knowledge() const { return knowledge_; }
+  [[nodiscard]] const Description& description() const { return knowledge_->description(); }
+  [[nodiscard]] const ReasonerOptions& options() const { return knowledge_->options(); }
+  [[nodiscard]] const HistoryProgram& program() const { return knowledge_->program(); }
+  [[nodiscard]] const Symbols& symbols() const { return knowledge_->symbols(); }
+  [[nodiscard]] const Instances& instances() const { return knowledge_->instances(); }
+  [[nodiscard]] const std::vector<CheckedRecord>& records() const { return records_; }
+  [[nodiscard]] const std::vector<Record>& history() const { return history_; }
+  [[nodiscard]] int leastStep() const { return least_step_; }
+  [[nodiscard]] int currentStep() const;
+  [[nodiscard]] Words words() const;
+
+  void take(std::vector<CheckedRecord> records);
+
+  /// The minimal price of the history; nothing when it is inconsistent.
+  const std::optional<Optimum>& optimum();
+  /// The same of a history that has to be consistent. @throws FailedPrecondition
+  const Optimum& requiredOptimum();
+
+  /// @throws InvalidArgument  there is no such step; FailedPrecondition  the history is
+  /// inconsistent
+  const Consequences& consequences(int step);
+  void checkStep(int step) const;
+
+  /// What no record excludes, whatever has to be assumed.
+  [[nodiscard]] Consequences atAnyPrice();
+
+  [[nodiscard]] std::string conflictText(const std::vector<std::size_t>& conflict) const;
+  [[nodiscard]] std::string conflictText() const;
+
+  /// @throws InvalidArgument  there is no such fluent
+  [[nodiscard]] GroundFluent groundFluent(const std::string& name) const;
+
+  /// Says why; shares its solver with earlier questions about the same history.
+  [[nodiscard]] Explanation explain(const Literal& literal, int step);
+
+  /// What has to be given up so that none of `excluded` holds at `step`.
+  std::vector<Retraction> retractions(
+      const std::vector<Literal>& excluded, int step, std::size_t max_sets,
+      const std::function<bool(const Reasoner&, Retraction&)>& accept);
+
+private:
+  /// The history without some of its records.
+  [[nodiscard]] Reasoner without(const std::vector<std::size_t>& given_up) const;
+
+  std::shared_ptr<DomainKnowledge> knowledge_;  // with the reasoners that this one supposes
+  int least_step_;
+  std::vector<CheckedRecord> records_;
+  std::vector<Record> history_;
+  std::unique_ptr<std::optional<Optimum>> optimum_;
+  std::unique_ptr<Consequences> consequences_;
+  std::unique_ptr<HistoryCheck> check_;
+};
+
+}  // namespace kr3::reasoner

@@ -1,0 +1,94 @@
+#include <algorithm>
+#include <utility>
+
+#include "reasoner_impl.hpp"
+
+namespace kr3::reasoner
+{
+
+namespace
+{
+
+constexpr std::size_t kMaxRetractions = 8;
+
+}  // namespace
+
+Reasoner Reasoner::supposing(const std::vector<Record>& hypothetical) const
+{
+  Reasoner reasoner(std::make_unique<Impl>(impl_->knowledge(), impl_->leastStep()));
+  reasoner.impl_->take(impl_->records());
+  reasoner.addRecords(hypothetical);
+  return reasoner;
+}
+
+std::vector<Retraction> Reasoner::retractions() const
+{
+  const std::optional<Optimum>& optimum = impl_->optimum();
+  if (optimum && optimum->price.retractions == 0)
+  {
+    return {};
+  }
+  return impl_->retractions({}, 0, kMaxRetractions, [](const Reasoner& reduced, Retraction&) {
+    const Diagnosis diagnosis = reduced.diagnose();
+    return diagnosis.consistent &&
+           std::all_of(diagnosis.alternatives.begin(), diagnosis.alternatives.end(),
+                       [](const ExplanationAlternative& alternative) {
+      return std::none_of(alternative.assumptions.begin(), alternative.assumptions.end(),
+                          [](const Assumption& assumption) {
+        return assumption.kind == AssumptionKind::kWrongRecord;
+      });
+           });
+  });
+}
+
+std::vector<Retraction> Reasoner::retractionsFor(const std::string& literal, int step) const
+{
+  const Literal wanted =
+      normalized(parseGroundLiteral(literal, impl_->description()), impl_->description());
+  impl_->checkStep(step);
+  if ((impl_->optimum() && possible(literal, step)) || impl_->atAnyPrice().inSome(wanted, step))
+  {
+    return {};
+  }
+  return impl_->retractions({contrary(wanted, impl_->description())}, step, kMaxRetractions,
+                            [&](const Reasoner& reduced, Retraction& retraction) {
+    retraction.opens = toString(wanted);
+    return reduced.impl_->optimum() && reduced.possible(literal, step);
+  });
+}
+
+Retraction Reasoner::leastCertainRefutation(const std::string& fluent) const
+{
+  const int now = impl_->currentStep();
+  const GroundFluent ground = impl_->groundFluent(fluent);
+  const Consequences any = impl_->atAnyPrice();
+  std::vector<Literal> possible_now;
+  for (const std::string& value : ground.values)
+  {
+    const Literal literal = literalOf(ground, value);
+    if (any.inSome(literal, now))
+    {
+      possible_now.push_back(literal);
+    }
+  }
+  const auto found = impl_->retractions(possible_now, now, 1,
+                                        [&](const Reasoner& reduced, Retraction& retraction) {
+    if (!reduced.impl_->optimum())
+    {
+      return false;
+    }
+    for (const std::string& value : reduced.possibleValues(fluent, now))
+    {
+      const Literal literal = literalOf(ground, value);
+      if (!any.inSome(literal, now))
+      {
+        retraction.opens = toString(literal);
+        return true;
+      }
+    }
+    return false;
+  });
+  return found.empty() ? Retraction{} : found.front();
+}
+
+}  // namespace kr3::reasoner
