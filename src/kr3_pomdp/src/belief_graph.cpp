@@ -51,8 +51,11 @@ BeliefGraph::BeliefGraph(const ObservedModel& model, const InformedVectors& info
     }
     points_.emplace_back(std::move(corners));
   }
-  std::vector<double> belief = model.initialBelief();
-  nodeOf(0, belief);
+  for (const ObservedStart& start : model.starts())
+  {
+    std::vector<double> belief = start.belief;
+    roots_.push_back(nodeOf(start.state_class, belief));
+  }
 }
 
 std::size_t BeliefGraph::numVectors() const

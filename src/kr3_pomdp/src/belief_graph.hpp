@@ -44,7 +44,8 @@ public:
   BeliefGraph(const ObservedModel& model, const InformedVectors& informed,
               const InformedVectors& blind);
 
-  [[nodiscard]] NodeId root() const { return 0; }
+  /// The nodes of the model's starts, in their order.
+  [[nodiscard]] const std::vector<NodeId>& roots() const { return roots_; }
   [[nodiscard]] std::size_t numNodes() const { return nodes_.size(); }
   [[nodiscard]] std::size_t numVectors() const;
   [[nodiscard]] const std::vector<VectorSet>& vectors() const { return vectors_; }
@@ -109,6 +110,7 @@ private:
   std::vector<VectorSet> vectors_;   // shape [classes]
   std::vector<SawtoothSet> points_;  // shape [classes]
   std::deque<Node> nodes_;
+  std::vector<NodeId> roots_;
   std::deque<Expansion> expansions_;
   std::deque<std::vector<double>> storage_;
   std::unordered_multimap<std::uint64_t, NodeId> index_;

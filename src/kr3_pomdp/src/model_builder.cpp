@@ -92,6 +92,17 @@ std::vector<SparseEntry> normalised(std::vector<SparseEntry> row, double toleran
   return row;
 }
 
+SharedRows shared(const std::vector<std::vector<SparseEntry>>& rows)
+{
+  SharedRowsBuilder builder;
+  builder.reserve(rows.size());
+  for (const std::vector<SparseEntry>& row : rows)
+  {
+    builder.append(row);
+  }
+  return builder.take();
+}
+
 }  // namespace
 
 ModelBuilder::ModelBuilder(std::vector<std::string> states, std::vector<std::string> actions,
@@ -346,18 +357,16 @@ Model ModelBuilder::build(double sum_tolerance) const
       }));
     }
   }
-  Model model(states_, actions_, observations_, Belief(initial_belief_));
-  model.discount_ = discount_;
-  model.rewards_ = expectedRewards(transitions, observations);
-  for (const auto& row : transitions)
-  {
-    model.transitions_.append(row);
-  }
-  for (const auto& row : observations)
-  {
-    model.observation_rows_.append(row);
-  }
-  return model;
+  ModelParts parts;
+  parts.states = states_.names();
+  parts.actions = actions_.names();
+  parts.observations = observations_.names();
+  parts.discount = discount_;
+  parts.initial_belief = initial_belief_;
+  parts.rewards = expectedRewards(transitions, observations);
+  parts.transitions = shared(transitions);
+  parts.observation_rows = shared(observations);
+  return Model(std::move(parts));
 }
 
 }  // namespace kr3::pomdp

@@ -77,13 +77,13 @@ std::vector<std::uint32_t> reachableStates(const Model& model)
 UnionFind partition(const Model& model, const std::vector<std::uint32_t>& states)
 {
   UnionFind classes(model.numStates());
-  std::uint32_t first = kNone;
+  std::map<std::uint32_t, std::uint32_t> first;  // by what is seen at the start
   for (const std::uint32_t s : states)
   {
     if (model.initialBelief()[s] > 0.0)
     {
-      first = first == kNone ? s : first;
-      classes.unite(first, s);
+      const std::uint32_t label = model.initialLabels().empty() ? 0 : model.initialLabels()[s];
+      classes.unite(first.emplace(label, s).first->second, s);
     }
   }
   std::vector<std::uint32_t> leads_to(model.numStates() * model.numObservations());
@@ -131,23 +131,20 @@ ObservedModel::ObservedModel(const Model& model) : model_(&model)
     local_of[s] = static_cast<std::uint32_t>(classes_[index].states.size());
     classes_[index].states.push_back(s);
   };
-  // The class of the initial belief first.
-  const auto start = std::find_if(states.begin(), states.end(),
-                                  [&](std::uint32_t s) { return model.initialBelief()[s] > 0.0; });
-  const std::uint32_t start_root = unions.find(*start);
-  for (const bool initial : {true, false})
+  std::for_each(states.begin(), states.end(), place);
+  for (const InitialOutcome& outcome : model.initialOutcomes())
   {
+    std::uint32_t state_class = kNone;
     for (const std::uint32_t s : states)
     {
-      if ((unions.find(s) == start_root) == initial)
-      {
-        place(s);
-      }
+      state_class = outcome.belief[s] > 0.0 ? class_of[s] : state_class;
     }
-  }
-  for (const std::uint32_t s : classes_.front().states)
-  {
-    initial_belief_.push_back(model.initialBelief()[s]);
+    ObservedStart start{outcome.probability, state_class, {}};
+    for (const std::uint32_t s : classes_[state_class].states)
+    {
+      start.belief.push_back(outcome.belief[s]);
+    }
+    starts_.push_back(std::move(start));
   }
 
   for (StateClass& state_class : classes_)

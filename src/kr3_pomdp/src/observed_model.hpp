@@ -31,6 +31,14 @@ struct StateClass
   std::vector<ClassAction> actions;   ///< shape [num_actions]
 };
 
+/// A belief that the robot may start with, in one class.
+struct ObservedStart
+{
+  double probability;
+  std::uint32_t state_class;
+  std::vector<double> belief;  ///< shape [states of the class]
+};
+
 /// A model as seen from its initial belief: states that cannot be reached are left out, and the
 /// others fall into the finest classes that the robot can always tell apart (its own cell, say). So
 /// what is fully observed is found without being declared, and beliefs and vectors get short.
@@ -45,13 +53,13 @@ public:
   [[nodiscard]] double discount() const { return model_->discount(); }
   [[nodiscard]] std::size_t numActions() const { return model_->numActions(); }
   [[nodiscard]] const std::vector<StateClass>& classes() const { return classes_; }
-  /// The class of the initial belief is 0.
-  [[nodiscard]] const std::vector<double>& initialBelief() const { return initial_belief_; }
+  /// Its beliefs before the first action, never empty; probabilities sum to 1.
+  [[nodiscard]] const std::vector<ObservedStart>& starts() const { return starts_; }
 
 private:
   const Model* model_;  // outlives this object
   std::vector<StateClass> classes_;
-  std::vector<double> initial_belief_;  // shape [states of class 0]
+  std::vector<ObservedStart> starts_;
 };
 
 }  // namespace kr3::pomdp

@@ -172,7 +172,7 @@ void PomdpParser::checkRows()
     const std::size_t a = i / num_states;
     const std::size_t s = i % num_states;
     const auto check = [&](double sum, const Place& place, const std::string& row) {
-      if (std::abs(sum - 1.0) > kSumTolerance)
+      if (std::abs(sum - 1.0) > kFileSumTolerance)
       {
         const Token& end = lexer_.current();
         lexer_.failAt(
@@ -225,7 +225,7 @@ Model PomdpParser::parse()
   }
   checkRows();
   builder_->setInitialBelief(start_);
-  return builder_->build(kSumTolerance);
+  return builder_->build(kFileSumTolerance);
 }
 
 }  // namespace kr3::pomdp

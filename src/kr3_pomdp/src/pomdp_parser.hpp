@@ -7,14 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "file_tolerance.hpp"
 #include "kr3_pomdp/model_builder.hpp"
 #include "pomdp_lexer.hpp"
 
 namespace kr3::pomdp
 {
-
-/// Published files give numbers to six digits, so that long rows are off by more than rounding.
-inline constexpr double kSumTolerance = 1e-4;
 
 /// Where a row was last written.
 struct Place
@@ -86,7 +84,7 @@ private:
   {
     const Token token = lexer_.current();
     const double p = number("a probability");
-    if (p < 0.0 || p > 1.0 + kSumTolerance)
+    if (p < 0.0 || p > 1.0 + kFileSumTolerance)
     {
       lexer_.fail(token, "a probability in [0, 1]");
     }

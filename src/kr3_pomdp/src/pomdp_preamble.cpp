@@ -168,7 +168,7 @@ void PomdpParser::start()
     p = probability();
     sum += p;
   }
-  if (std::abs(sum - 1.0) > kSumTolerance)
+  if (std::abs(sum - 1.0) > kFileSumTolerance)
   {
     lexer_.failAt(first.line, first.column,
                   "the start belief sums to " + std::to_string(sum) + ", expected 1");

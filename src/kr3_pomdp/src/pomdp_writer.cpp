@@ -70,6 +70,13 @@ void writeNames(std::ostream& out, const char* key, std::size_t count, const Nam
 
 void writePomdp(std::ostream& out, const Model& model)
 {
+  if (model.initialOutcomes().size() > 1)
+  {
+    throw InvalidArgument(
+        "the robot sees something before its first action, which a .pomdp file cannot say; "
+        "expected "
+        "a model without, or .pomdpx");
+  }
   out << "discount: " << exact(model.discount()) << "\nvalues: reward\n";
   writeNames(out, "states", model.numStates(),
              [&](std::size_t i) -> const std::string& { return model.stateName(i); });

@@ -34,6 +34,20 @@ std::size_t sampleRow(const SparseRow& row, std::mt19937_64& random)
   return last->index;
 }
 
+std::size_t sampleStart(const std::vector<InitialOutcome>& starts, std::mt19937_64& random)
+{
+  std::size_t i = 0;
+  for (double u = starts.size() > 1 ? uniform(random) : 0.0; i + 1 < starts.size(); ++i)
+  {
+    u -= starts[i].probability;
+    if (u < 0.0)
+    {
+      break;
+    }
+  }
+  return i;
+}
+
 /// States that no action leaves and that earn nothing: a trial there is over.
 std::vector<bool> finishedStates(const Model& model)
 {
@@ -100,12 +114,14 @@ Evaluation evaluate(const Model& model, const Policy& policy, const EvaluationLi
   }
   std::mt19937_64 random(seed);
   const std::vector<bool> finished = finishedStates(model);
+  const std::vector<InitialOutcome> starts = model.initialOutcomes();
   double mean = 0.0;
   double squares = 0.0;  // sum of squared deviations (Welford)
   double steps = 0.0;
   for (std::uint64_t trial = 0; trial < limits.trials; ++trial)
   {
-    Belief belief = model.initialBelief();
+    const std::size_t start = sampleStart(starts, random);
+    Belief belief = starts[start].belief;
     std::size_t state = sampleState(belief, random);
     double total = 0.0;
     double weight = 1.0;

@@ -130,10 +130,16 @@ public:
   {
   }
 
-  bool keepGoing()
+  bool keepGoing() { return supervisor_->check(lower(), upper(), graph_->numVectors()); }
+
+  /// Bounds of the value before anything is seen.
+  double lower()
   {
-    return supervisor_->check(graph_->lower(graph_->root()), graph_->upper(graph_->root()),
-                              graph_->numVectors());
+    return expected([this](NodeId root) { return graph_->lower(root); });
+  }
+  double upper()
+  {
+    return expected([this](NodeId root) { return graph_->upper(root); });
   }
 
   void run()
@@ -154,13 +160,58 @@ public:
   }
 
 private:
+  template <typename ValueOf>
+  double expected(const ValueOf& value_of)
+  {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < graph_->roots().size(); ++i)
+    {
+      sum += graph_->model().starts()[i].probability * value_of(graph_->roots()[i]);
+    }
+    return sum;
+  }
+
+  /// The start that adds most to the gap.
+  NodeId widestRoot()
+  {
+    NodeId widest = graph_->roots().front();
+    double most = -1.0;
+    for (std::size_t i = 0; i < graph_->roots().size(); ++i)
+    {
+      const NodeId root = graph_->roots()[i];
+      const double excess =
+          graph_->model().starts()[i].probability * (graph_->upper(root) - graph_->lower(root));
+      if (excess > most)
+      {
+        most = excess;
+        widest = root;
+      }
+    }
+    return widest;
+  }
+
+  NodeId sampledRoot()
+  {
+    const std::vector<NodeId>& roots = graph_->roots();
+    std::size_t i = 0;
+    for (double u = roots.size() > 1 ? uniform() : 0.0; i + 1 < roots.size(); ++i)
+    {
+      u -= graph_->model().starts()[i].probability;
+      if (u < 0.0)
+      {
+        break;
+      }
+    }
+    return roots[i];
+  }
+
   /// Follows the upper bound to where the gap that the root still has comes from.
   /// Source: Smith and Simmons (2004); the trial's target shrinks with the gap at the root.
   void upperTrial()
   {
-    const double root_gap = graph_->upper(graph_->root()) - graph_->lower(graph_->root());
+    NodeId node = widestRoot();
+    const double root_gap = graph_->upper(node) - graph_->lower(node);
     double allowed = std::max(precision_ * kTrialTarget, root_gap * kTrialTarget);
-    NodeId node = graph_->root();
     path_.clear();
     while (path_.size() < kMaxDepth && graph_->upper(node) - graph_->lower(node) > allowed)
     {
@@ -195,7 +246,7 @@ private:
   /// lower bound where it is used.
   void sampledTrial()
   {
-    NodeId node = graph_->root();
+    NodeId node = sampledRoot();
     const double root_gap = graph_->upper(node) - graph_->lower(node);
     const bool optimistic = uniform() < kOptimistic;
     double weight = 1.0;
@@ -369,10 +420,14 @@ SolveResult solve(const Model& model, const SolverLimits& limits,
   Search search(graph, limits.precision, supervisor);
   search.run();
   Policy policy = policyOf(graph);
-  const double lower = policy.valueAt(model.initialBelief());
+  double lower = 0.0;
+  for (const InitialOutcome& outcome : model.initialOutcomes())
+  {
+    lower += outcome.probability * policy.valueAt(outcome.belief);
+  }
   return {std::move(policy),
           lower,
-          std::max(lower, graph.upper(graph.root())),
+          std::max(lower, search.upper()),
           supervisor.backups(),
           supervisor.reason(),
           supervisor.elapsed(),

@@ -1,4 +1,4 @@
-// Simulates a policy in a .pomdp file and prints its value with a confidence interval.
+// Simulates a policy in a .pomdp or .pomdpx file and prints its value with a confidence interval.
 
 #include <cstdint>
 #include <cstdio>
@@ -11,7 +11,7 @@
 
 #include <kr3_common/error.hpp>
 
-#include "kr3_pomdp/pomdp_format.hpp"
+#include "kr3_pomdp/pomdpx_format.hpp"
 #include "kr3_pomdp/simulation.hpp"
 
 int main(int argc, char** argv)
@@ -21,7 +21,7 @@ int main(int argc, char** argv)
   kr3::pomdp::EvaluationLimits limits;
   std::uint64_t seed = 1;
   CLI::App app("Simulates a policy and prints the mean discounted return.");
-  app.add_option("model", model_path, "file in .pomdp format")->required();
+  app.add_option("model", model_path, "file in .pomdp or .pomdpx format")->required();
   app.add_option("policy", policy_path, "file written by kr3_solve --policy")->required();
   app.add_option("--trials", limits.trials, "number of trials")->capture_default_str();
   app.add_option("--seed", seed, "seed of the random numbers")->capture_default_str();
@@ -31,7 +31,7 @@ int main(int argc, char** argv)
   try
   {
     using namespace kr3::pomdp;
-    const Model model = loadPomdp(model_path);
+    const Model model = loadModel(model_path);
     std::ifstream in(policy_path);
     if (!in)
     {
@@ -42,7 +42,12 @@ int main(int argc, char** argv)
     std::printf("%.5f (95 %%: %.5f, %.5f), %llu trials of %.1f steps on average\n", value.mean,
                 value.mean - value.half_width_95, value.mean + value.half_width_95,
                 static_cast<unsigned long long>(value.trials), value.mean_steps);
-    std::printf("the policy's own lower bound: %.5f\n", policy.valueAt(model.initialBelief()));
+    double lower = 0.0;
+    for (const InitialOutcome& outcome : model.initialOutcomes())
+    {
+      lower += outcome.probability * policy.valueAt(outcome.belief);
+    }
+    std::printf("the policy's own lower bound: %.5f\n", lower);
   }
   catch (const std::exception& e)
   {

@@ -1,4 +1,4 @@
-// Solves a .pomdp file and prints the bounds as they come nearer.
+// Solves a .pomdp or .pomdpx file and prints the bounds as they come nearer.
 
 #include <algorithm>
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 #include <kr3_common/error.hpp>
 
-#include "kr3_pomdp/pomdp_format.hpp"
+#include "kr3_pomdp/pomdpx_format.hpp"
 #include "kr3_pomdp/solver.hpp"
 
 namespace
@@ -37,7 +37,7 @@ void printBounds(double elapsed_s, double lower, double upper, std::uint64_t bac
 void run(const Options& options)
 {
   using namespace kr3::pomdp;
-  const Model model = loadPomdp(options.model);
+  const Model model = loadModel(options.model);
   std::printf("%zu states, %zu actions, %zu observations, discount %g\n", model.numStates(),
               model.numActions(), model.numObservations(), model.discount());
   double next_print_s = 0.05;
@@ -72,7 +72,7 @@ int main(int argc, char** argv)
   Options options;
   options.limits.time_s = 60.0;
   CLI::App app("Solves a POMDP and prints the bounds of the value at its initial belief.");
-  app.add_option("model", options.model, "file in .pomdp format")->required();
+  app.add_option("model", options.model, "file in .pomdp or .pomdpx format")->required();
   app.add_option("--precision", options.limits.precision, "stop when the gap is below this")
       ->capture_default_str();
   app.add_option("--time", options.limits.time_s, "stop after so many seconds; 0 = no limit")

@@ -53,6 +53,36 @@ private:
   std::vector<std::size_t> starts_;
 };
 
+/// Sparse rows of which equal ones are kept once: most actions leave most of a state as it is, so
+/// that models of many states have few different rows.
+class SharedRows
+{
+public:
+  [[nodiscard]] SparseRow row(std::size_t i) const { return distinct_.row(numbers_[i]); }
+  [[nodiscard]] std::size_t numRows() const { return numbers_.size(); }
+  [[nodiscard]] std::size_t sizeInBytes() const;
+
+private:
+  friend class SharedRowsBuilder;
+  SparseRows distinct_;
+  std::vector<std::uint32_t> numbers_;
+};
+
+/// Collects SharedRows row by row.
+class SharedRowsBuilder
+{
+public:
+  /// Appends a row; entries are sorted by index and have no duplicates.
+  void append(const std::vector<SparseEntry>& row);
+  void reserve(std::size_t num_rows) { rows_.numbers_.reserve(num_rows); }
+  /// The rows; the builder is empty afterwards.
+  [[nodiscard]] SharedRows take();
+
+private:
+  SharedRows rows_;
+  std::unordered_multimap<std::uint64_t, std::uint32_t> index_;
+};
+
 /// The names of one kind of thing in a model; each has an index from 0.
 class NameTable
 {
@@ -66,16 +96,40 @@ public:
 
 private:
   std::vector<std::string> names_;
-  std::unordered_map<std::string, std::size_t> index_;
+  std::vector<std::uint32_t> by_name_;  // indices, sorted by name
 };
 
-/// A flat, sparse POMDP. An immutable value, built by ModelBuilder.
+/// A belief that the robot may start with, and how likely it is.
+struct InitialOutcome
+{
+  double probability;
+  Belief belief;
+};
+
+/// All that a model is made of, see Model.
+struct ModelParts
+{
+  std::vector<std::string> states;
+  std::vector<std::string> actions;
+  std::vector<std::string> observations;
+  double discount = 1.0;
+  std::vector<double> initial_belief;         ///< shape [num_states]
+  std::vector<std::uint32_t> initial_labels;  ///< shape [num_states] or empty
+  SharedRows transitions;                     ///< row: action * num_states + state
+  SharedRows observation_rows;                ///< row: action * num_states + next state
+  std::vector<double> rewards;                ///< row-major, shape [num_actions, num_states]
+};
+
+/// A flat, sparse POMDP. An immutable value, built by ModelBuilder or FactoredModel.
 ///
 /// Invariant: every row of T and O sums to 1 within 1e-9 (after normalisation), all numbers are
 /// finite, the discount is in (0, 1], there is at least one state, action and observation.
 class Model
 {
 public:
+  /// @throws InvalidArgument  a name, shape or row is wrong; the message names it
+  explicit Model(ModelParts parts);
+
   [[nodiscard]] std::size_t numStates() const { return states_.size(); }
   [[nodiscard]] std::size_t numActions() const { return actions_.size(); }
   [[nodiscard]] std::size_t numObservations() const { return observations_.size(); }
@@ -102,6 +156,14 @@ public:
   [[nodiscard]] double discount() const { return discount_; }
   [[nodiscard]] const Belief& initialBelief() const { return initial_belief_; }
 
+  /// What the robot sees before its first action: the label of the true state, shape [num_states].
+  /// Empty when it sees nothing.
+  [[nodiscard]] const std::vector<std::uint32_t>& initialLabels() const { return initial_labels_; }
+
+  /// The beliefs that the robot may have before its first action, by what it sees, in the order of
+  /// labels; one without labels. Probabilities sum to 1.
+  [[nodiscard]] std::vector<InitialOutcome> initialOutcomes() const;
+
   /// T(s' | s, a): index is s'.
   [[nodiscard]] SparseRow transitions(std::size_t action, std::size_t state) const
   {
@@ -126,22 +188,20 @@ public:
   /// Memory held, roughly.
   [[nodiscard]] std::size_t sizeInBytes() const;
 
-  /// The same model started elsewhere.
+  /// The same model started elsewhere; the robot sees nothing before its first action.
   /// @throws InvalidArgument  belief of another size
   [[nodiscard]] Model withInitialBelief(Belief belief) const;
 
 private:
-  friend class ModelBuilder;
-  Model(NameTable states, NameTable actions, NameTable observations, Belief initial_belief);
-
   NameTable states_;
   NameTable actions_;
   NameTable observations_;
-  double discount_ = 1.0;
+  double discount_;
   Belief initial_belief_;
-  SparseRows transitions_;       // row: action * num_states + state
-  SparseRows observation_rows_;  // row: action * num_states + next state
-  std::vector<double> rewards_;  // row-major, shape [num_actions, num_states]
+  std::vector<std::uint32_t> initial_labels_;
+  SharedRows transitions_;
+  SharedRows observation_rows_;
+  std::vector<double> rewards_;
 };
 
 }  // namespace kr3::pomdp

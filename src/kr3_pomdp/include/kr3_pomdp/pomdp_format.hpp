@@ -21,6 +21,8 @@ namespace kr3::pomdp
 [[nodiscard]] Model loadPomdp(const std::string& path);
 
 /// Writes a model such that readPomdp gives the same model again, to the last bit.
+/// @throws InvalidArgument  a name that the format cannot hold, or a model with several initial
+///                          outcomes
 void writePomdp(std::ostream& out, const Model& model);
 
 }  // namespace kr3::pomdp

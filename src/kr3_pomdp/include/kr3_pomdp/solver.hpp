@@ -40,7 +40,8 @@ enum class StopReason
 struct SolveResult
 {
   Policy policy;
-  double lower;  ///< policy.valueAt(initial belief): what the policy earns at least
+  double lower;  ///< what the policy earns at least: policy.valueAt(initial belief), or its
+                 ///< expectation over the model's initial outcomes
   double upper;  ///< no policy earns more
   std::uint64_t backups;
   StopReason reason;

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+
+#include "kr3_pomdp/factored_model.hpp"
+
+namespace kr3::pomdp
+{
+
+/// Reads the POMDPX format: tables and decision diagrams, several variables of each kind, seen
+/// state variables.
+///
+/// A text may be several times in a file (`*` for all values, `-` for each in turn): what is given
+/// later replaces what was given before; what is not given is 0.
+///
+/// @param name  of the input, for messages
+/// @throws InvalidArgument    malformed; the message begins `name:line:column:` and says what was
+///                            found and what was expected
+/// @throws ResourceExhausted  a table is too large
+/// Source: "PomdpX File Format (version 1.0)", documentation of APPL, National University of
+/// Singapore.
+[[nodiscard]] FactoredModel readPomdpx(std::istream& in, const std::string& name);
+
+/// @throws Unavailable      the file cannot be opened or read
+/// @throws InvalidArgument  as above
+[[nodiscard]] FactoredModel loadPomdpx(const std::string& path);
+
+/// Writes a flat model as one state variable, such that reading it gives the same values and
+/// probabilities to the last bit. What the robot sees before its first action becomes a second,
+/// seen variable.
+void writePomdpx(std::ostream& out, const Model& model);
+
+/// Reads either format: POMDPX where the file begins with `<`, else Cassandra's.
+/// @throws Unavailable  the file cannot be opened or read; InvalidArgument  malformed
+[[nodiscard]] Model loadModel(const std::string& path);
+
+}  // namespace kr3::pomdp

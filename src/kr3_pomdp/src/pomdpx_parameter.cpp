@@ -1,0 +1,337 @@
+#include "pomdpx_parameter.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <string_view>
+
+#include "file_tolerance.hpp"
+
+namespace kr3::pomdp
+{
+
+namespace
+{
+
+constexpr int kMaxDepth = 200;
+
+std::string named(const pugi::xml_node& element)
+{
+  return std::string("<") + element.name() + ">";
+}
+
+}  // namespace
+
+PomdpxParameter::PomdpxParameter(const PomdpxText& text, const FactoredModel& model,
+                                 const std::map<std::string, VariableRef>& names, Factor& factor)
+  : text_(text), model_(model), names_(names), factor_(factor), scope_(factor.parents)
+{
+  scope_.insert(scope_.end(), factor.of.begin(), factor.of.end());
+  for (const VariableRef& ref : factor.of)
+  {
+    num_outcomes_ *= model.variable(ref).values.size();
+  }
+}
+
+void PomdpxParameter::fill(const pugi::xml_node& parameter)
+{
+  const std::string type = parameter.attribute("type").as_string("TBL");
+  if (type == "TBL")
+  {
+    table(parameter);
+  }
+  else if (type == "DD")
+  {
+    diagram(parameter);
+  }
+  else
+  {
+    text_.fail(parameter, "type '" + type + "'", "'TBL' or 'DD'");
+  }
+}
+
+template <typename Value>
+void PomdpxParameter::set(const Box& box, const Value& value)
+{
+  std::vector<std::size_t> at(box.size());
+  for (std::size_t i = 0; i < box.size(); ++i)
+  {
+    at[i] = box[i].value_or(0);
+  }
+  while (true)
+  {
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < at.size(); ++i)
+    {
+      index = index * variable(i).values.size() + at[i];
+    }
+    factor_.values[index] = value(at);
+    std::size_t i = at.size();
+    while (i > 0 && (box[i - 1] || at[i - 1] + 1 == variable(i - 1).values.size()))
+    {
+      --i;
+      at[i] = box[i].value_or(0);
+    }
+    if (i == 0)
+    {
+      return;
+    }
+    ++at[i - 1];
+  }
+}
+
+std::size_t PomdpxParameter::valueOf(const PomdpxWord& word, std::size_t place) const
+{
+  const std::vector<std::string>& values = variable(place).values;
+  const auto found = std::find(values.begin(), values.end(), word.text);
+  if (found != values.end())
+  {
+    return static_cast<std::size_t>(found - values.begin());
+  }
+  const bool digits = std::all_of(word.text.begin(), word.text.end(),
+                                  [](unsigned char c) { return std::isdigit(c) != 0; });
+  const unsigned long index = digits ? std::strtoul(word.text.c_str(), nullptr, 10) : values.size();
+  if (index >= values.size())
+  {
+    text_.fail(word, "a value of '" + variable(place).name + "', '*' or '-'");
+  }
+  return index;
+}
+
+void PomdpxParameter::table(const pugi::xml_node& parameter)
+{
+  for (const pugi::xml_node& child : parameter.children())
+  {
+    if (std::string_view(child.name()) == "Entry")
+    {
+      entry(child);
+    }
+    else if (child.type() == pugi::node_element)
+    {
+      text_.fail(child, named(child), "<Entry>");
+    }
+  }
+}
+
+void PomdpxParameter::entry(const pugi::xml_node& element)
+{
+  const pugi::xml_node instance = text_.child(element, "Instance");
+  const std::vector<PomdpxWord> words = PomdpxText::words(instance);
+  if (words.size() != scope_.size())
+  {
+    text_.fail(instance, std::to_string(words.size()) + " values",
+               std::to_string(scope_.size()) + ": one for each parent, then for the variable");
+  }
+  Box box(scope_.size());
+  std::vector<std::size_t> dashes;
+  std::size_t expected = 1;
+  for (std::size_t i = 0; i < words.size(); ++i)
+  {
+    if (words[i].text == "-")
+    {
+      dashes.push_back(i);
+      expected *= variable(i).values.size();
+    }
+    else if (words[i].text != "*")
+    {
+      box[i] = valueOf(words[i], i);
+    }
+  }
+  const bool rewards = factor_.of.empty();
+  // The format's documentation has rewards in either element.
+  pugi::xml_node numbers = element.child(rewards ? "ValueTable" : "ProbTable");
+  numbers = numbers ? numbers : text_.child(element, "ProbTable");
+  const std::vector<PomdpxWord> given = PomdpxText::words(numbers);
+  if (!rewards && given.size() == 1 && given.front().text == "uniform")
+  {
+    set(box, [this](const std::vector<std::size_t>&) {
+      return 1.0 / static_cast<double>(num_outcomes_);
+    });
+    return;
+  }
+  if (!rewards && given.size() == 1 && given.front().text == "identity")
+  {
+    if (dashes.size() != 2 ||
+        variable(dashes[0]).values.size() != variable(dashes[1]).values.size())
+    {
+      text_.fail(given.front(), "it with two '-' for variables of as many values");
+    }
+    set(box, [&](const std::vector<std::size_t>& at) {
+      return at[dashes[0]] == at[dashes[1]] ? 1.0 : 0.0;
+    });
+    return;
+  }
+  if (given.size() != expected)
+  {
+    text_.fail(numbers, std::to_string(given.size()) + " numbers",
+               std::to_string(expected) + ", one for each combination of '-'");
+  }
+  std::vector<double> values;
+  for (const PomdpxWord& word : given)
+  {
+    values.push_back(text_.number(word));
+    if (!rewards && !(values.back() >= 0.0 && values.back() <= 1.0 + kFileSumTolerance))
+    {
+      text_.fail(word, "a probability in [0, 1]");
+    }
+  }
+  set(box, [&](const std::vector<std::size_t>& at) {
+    std::size_t index = 0;
+    for (const std::size_t place : dashes)
+    {
+      index = index * variable(place).values.size() + at[place];
+    }
+    return values[index];
+  });
+}
+
+void PomdpxParameter::diagram(const pugi::xml_node& parameter)
+{
+  for (const pugi::xml_node& child : parameter.children("SubDAGTemplate"))
+  {
+    if (!templates_.emplace(text_.attribute(child, "id"), child).second)
+    {
+      text_.fail(child, "a second template of this id", "a new id");
+    }
+  }
+  Box box(scope_.size());
+  branch(text_.child(parameter, "DAG"), box, 0);
+}
+
+void PomdpxParameter::branch(const pugi::xml_node& parent, Box& box, int depth)
+{
+  if (depth > kMaxDepth)
+  {
+    text_.fail(parent, "more than " + std::to_string(kMaxDepth) + " levels",
+               "a diagram that ends (does a template use itself?)");
+  }
+  bool found = false;
+  for (const pugi::xml_node& child : parent.children())
+  {
+    const std::string kind = child.name();
+    if (child.type() != pugi::node_element)
+    {
+      continue;
+    }
+    if (found)
+    {
+      text_.fail(child, "a second element in " + named(parent), "one");
+    }
+    found = true;
+    if (kind == "Node")
+    {
+      node(child, box, depth);
+    }
+    else if (kind == "SubDAG")
+    {
+      shorthand(child, box, depth);
+    }
+    else if (kind == "Terminal")
+    {
+      const std::vector<PomdpxWord> words = PomdpxText::words(child);
+      if (words.size() != 1)
+      {
+        text_.fail(child, std::to_string(words.size()) + " words", "one number");
+      }
+      const double value = text_.number(words.front());
+      set(box, [value](const std::vector<std::size_t>&) { return value; });
+    }
+    else
+    {
+      text_.fail(child, named(child), "<Node>, <SubDAG> or <Terminal>");
+    }
+  }
+  if (!found)
+  {
+    text_.fail(parent, "nothing in " + named(parent), "<Node>, <SubDAG> or <Terminal>");
+  }
+}
+
+std::size_t PomdpxParameter::placeOf(const pugi::xml_node& element) const
+{
+  const std::string name = text_.attribute(element, "var");
+  const auto ref = names_.find(name);
+  const auto place =
+      ref == names_.end() ? scope_.end() : std::find(scope_.begin(), scope_.end(), ref->second);
+  if (place == scope_.end())
+  {
+    text_.fail(element, "the variable '" + name + "'", "one of <Parent> or <Var>");
+  }
+  return static_cast<std::size_t>(place - scope_.begin());
+}
+
+void PomdpxParameter::node(const pugi::xml_node& element, Box& box, int depth)
+{
+  const std::size_t place = placeOf(element);
+  const std::optional<std::size_t> outer = box[place];
+  for (const pugi::xml_node& child : element.children())
+  {
+    if (child.type() != pugi::node_element)
+    {
+      continue;
+    }
+    if (std::string_view(child.name()) != "Edge")
+    {
+      text_.fail(child, named(child), "<Edge>");
+    }
+    const std::size_t value = valueOf({text_.attribute(child, "val"), child.offset_debug()}, place);
+    if (!outer || *outer == value)
+    {
+      box[place] = value;
+      branch(child, box, depth + 1);
+    }
+  }
+  box[place] = outer;
+}
+
+void PomdpxParameter::shorthand(const pugi::xml_node& element, Box& box, int depth)
+{
+  const std::string type = text_.attribute(element, "type");
+  if (type == "template")
+  {
+    const auto found = templates_.find(text_.attribute(element, "idref"));
+    if (found == templates_.end())
+    {
+      text_.fail(element, "no template of this id", "a <SubDAGTemplate> in this <Parameter>");
+    }
+    branch(found->second, box, depth + 1);
+    return;
+  }
+  const std::size_t place = placeOf(element);
+  if (type == "uniform")
+  {
+    const double value = 1.0 / static_cast<double>(variable(place).values.size());
+    set(box, [value](const std::vector<std::size_t>&) { return value; });
+  }
+  else if (type == "deterministic")
+  {
+    const std::size_t value =
+        valueOf({text_.attribute(element, "val"), element.offset_debug()}, place);
+    set(box, [=](const std::vector<std::size_t>& at) { return at[place] == value ? 1.0 : 0.0; });
+  }
+  else if (type == "persistent")
+  {
+    persist(element, place, box);
+  }
+  else
+  {
+    text_.fail(element, "type '" + type + "'",
+               "'deterministic', 'persistent', 'uniform' or 'template'");
+  }
+}
+
+void PomdpxParameter::persist(const pugi::xml_node& element, std::size_t place, const Box& box)
+{
+  const VariableRef before{VariableRole::kPrevious, scope_[place].index};
+  const auto found = std::find(scope_.begin(), scope_.end(), before);
+  if (scope_[place].role != VariableRole::kCurrent || found == scope_.end())
+  {
+    text_.fail(element, "'" + variable(place).name + "' without its value before",
+               "a state variable with its previous one among the parents");
+  }
+  const auto previous = static_cast<std::size_t>(found - scope_.begin());
+  set(box,
+      [=](const std::vector<std::size_t>& at) { return at[place] == at[previous] ? 1.0 : 0.0; });
+}
+
+}  // namespace kr3::pomdp
