@@ -16,7 +16,8 @@ const char* const kInputRules = "#external ab(_X) : abducible(_X).\n";
 
 }  // namespace
 
-Closure::Closure(const std::string& rules, std::vector<std::string> statements)
+Closure::Closure(const std::string& rules, std::vector<std::string> statements,
+                 const SearchLimit& limit)
   : statements_(std::move(statements))
 {
   std::string text = rules + kInputRules;
@@ -30,7 +31,7 @@ Closure::Closure(const std::string& rules, std::vector<std::string> statements)
   GroundProgramRecorder recorder;
   GroundProgram program;
   recorder.recordInto(program);
-  Solver solver({"--warn=none"});
+  Solver solver({"--warn=none"}, limit);
   solver.control().register_observer(recorder, true);
   solver.add("base", {}, text);
   solver.ground({{"base", {}}});

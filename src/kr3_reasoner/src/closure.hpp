@@ -7,6 +7,7 @@
 #include <clingo.hh>
 
 #include "partial_evaluator.hpp"
+#include "search_limit.hpp"
 
 namespace kr3::reasoner
 {
@@ -21,7 +22,9 @@ public:
 
   /// @param rules       vocabulary and rules of the closure, as text
   /// @param statements  `init(F,V)` or `initn(F,V)` for each initial record, without repetition
-  Closure(const std::string& rules, std::vector<std::string> statements);
+  /// @param limit       of the grounding
+  Closure(const std::string& rules, std::vector<std::string> statements,
+          const SearchLimit& limit = {});
 
   /// `fluent = value`, or `!=`, may be in the closure.
   struct Entry

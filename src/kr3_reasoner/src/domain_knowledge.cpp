@@ -1,6 +1,7 @@
 #include "domain_knowledge.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -31,6 +32,32 @@ DomainKnowledge::DomainKnowledge(Description description, const ReasonerOptions&
   , program_(description_, checkedPrices(options))
   , instances_(description_)
 {
+}
+
+DomainKnowledge::Question::Question(DomainKnowledge& knowledge, const Limits& limits,
+                                    const char* name)
+  : knowledge_(knowledge)
+{
+  if (knowledge_.num_questions_++ > 0)
+  {
+    return;
+  }
+  SearchLimit limit;
+  limit.cancel = limits.cancel;
+  limit.question = name;
+  if (limits.time_limit.count() > 0)
+  {
+    limit.deadline = std::chrono::steady_clock::now() + limits.time_limit;
+  }
+  knowledge_.program_.limitTo(limit);
+}
+
+DomainKnowledge::Question::~Question()
+{
+  if (--knowledge_.num_questions_ == 0)
+  {
+    knowledge_.program_.limitTo({});
+  }
 }
 
 const GroundRules& DomainKnowledge::groundRules()

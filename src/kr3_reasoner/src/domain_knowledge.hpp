@@ -25,6 +25,21 @@ public:
   [[nodiscard]] const HistoryProgram& program() const { return program_; }
   [[nodiscard]] const Instances& instances() const { return instances_; }
 
+  /// A question being answered: what it does ends with its limit. A question that is asked to
+  /// answer another one ends with that.
+  class Question
+  {
+  public:
+    /// @param name    for messages, "diagnosis"; a literal
+    Question(DomainKnowledge& knowledge, const Limits& limits, const char* name);
+    ~Question();
+    Question(const Question&) = delete;
+    Question& operator=(const Question&) = delete;
+
+  private:
+    DomainKnowledge& knowledge_;
+  };
+
   /// Made when it is first asked for.
   [[nodiscard]] const GroundRules& groundRules();
 
@@ -34,6 +49,7 @@ private:
   HistoryProgram program_;
   Instances instances_;
   std::unique_ptr<GroundRules> ground_rules_;
+  int num_questions_ = 0;  // that are being answered, one within the other
 };
 
 }  // namespace kr3::reasoner

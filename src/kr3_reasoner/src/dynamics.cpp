@@ -90,13 +90,13 @@ Clingo::Symbol toSymbol(const Atom& ground)
   return toSymbol(ground.name, arguments);
 }
 
-Dynamics::Dynamics(const Description& description, bool exogenous)
+Dynamics::Dynamics(const Description& description, bool exogenous, const SearchLimit& limit)
   : fluents_(groundFluents(description))
 {
   numberFluents();
   const Description used = exogenous ? description : withoutExogenous(description);
   numberActions(used);
-  buildPrograms(ground(used));
+  buildPrograms(ground(used, limit));
 }
 
 void Dynamics::numberFluents()
@@ -128,11 +128,11 @@ void Dynamics::numberActions(const Description& description)
   }
 }
 
-Dynamics::Rules Dynamics::ground(const Description& description)
+Dynamics::Rules Dynamics::ground(const Description& description, const SearchLimit& limit)
 {
   const Encoding encoding(description);
   GroundProgramRecorder recorder;
-  Solver solver({"--warn=none"});
+  Solver solver({"--warn=none"}, limit);
   solver.control().register_observer(recorder, true);
   solver.add("base", {}, encoding.signature() + kInputRules);
   solver.add("outputs", {}, kOutputRules);

@@ -9,6 +9,7 @@
 #include "encoding.hpp"
 #include "kr3_reasoner/transition_system.hpp"
 #include "partial_evaluator.hpp"
+#include "search_limit.hpp"
 
 namespace kr3::reasoner
 {
@@ -32,7 +33,8 @@ class Dynamics
 {
 public:
   /// @param exogenous  whether exogenous actions are part of it; they cost time
-  Dynamics(const Description& description, bool exogenous);
+  /// @param limit      of the grounding
+  Dynamics(const Description& description, bool exogenous, const SearchLimit& limit = {});
 
   struct Action
   {
@@ -99,7 +101,7 @@ private:
 
   void numberFluents();
   void numberActions(const Description& description);
-  [[nodiscard]] Rules ground(const Description& description);
+  [[nodiscard]] Rules ground(const Description& description, const SearchLimit& limit);
   void readAtoms(const Clingo::SymbolicAtoms& atoms);
   void buildPrograms(Rules rules);
   [[nodiscard]] StateLiterals read(const std::vector<SolverLiteral>& values) const;

@@ -38,7 +38,8 @@ HistoryCheck::HistoryCheck(const Description& description, const HistoryProgram&
   : description_(description)
   , levels_(assumableLevels(records, current_step, exogenous_first))
   , solver_(std::make_unique<Solver>(
-        std::vector<std::string>{"0", "--opt-strategy=usc", "--project=project", "--warn=none"}))
+        std::vector<std::string>{"0", "--opt-strategy=usc", "--project=project", "--warn=none"},
+        program.limit()))
 {
   program.addTo(*solver_);
   solver_->add("base", {}, kSwitches);  // with what it switches, lest that be simplified away
@@ -102,11 +103,26 @@ std::optional<std::vector<std::int64_t>> HistoryCheck::leastCost()
   bound(nullptr);
   solver_->configure("solve.models", "0");
   std::optional<std::vector<std::int64_t>> best;
-  for (const Clingo::Model& model : solver_->control().solve())
-  {
+  solver_->solve([&](const Clingo::Model& model) {
     best = model.cost();
-  }
+    return true;
+  });
   return best;
+}
+
+std::optional<std::vector<std::int64_t>> HistoryCheck::minimalExplanation(
+    const std::vector<bool>& kept, const std::set<std::string>* defaults)
+{
+  choose(kept, defaults);
+  for (const Assumable& level : levels_)
+  {
+    allow(level);
+    if (auto cost = leastCost())
+    {
+      return cost;
+    }
+  }
+  return std::nullopt;
 }
 
 bool HistoryCheck::hasModel(const std::vector<std::int64_t>& cost,
@@ -114,10 +130,7 @@ bool HistoryCheck::hasModel(const std::vector<std::int64_t>& cost,
 {
   bound(&cost);
   solver_->configure("solve.models", "1");
-  return solver_->control()
-      .solve(Clingo::LiteralSpan(assumptions.data(), assumptions.size()), nullptr, false, false)
-      .get()
-      .is_satisfiable();
+  return solver_->isSatisfiable(assumptions);
 }
 
 bool HistoryCheck::entail(const std::vector<bool>& kept, const std::set<std::string>* defaults,
@@ -130,24 +143,15 @@ bool HistoryCheck::entail(const std::vector<bool>& kept, const std::set<std::str
                            (by_falsity ? "true" : literal.value.name) + "," + std::to_string(step) +
                            ")";
   const bool wants_true = literal.equal && !by_falsity;
-  choose(kept, defaults);
-  for (const Assumable& level : levels_)
+  const auto cost = minimalExplanation(kept, defaults);
+  if (!cost)
   {
-    allow(level);
-    const auto cost = leastCost();
-    if (!cost)
-    {
-      continue;
-    }
-    const Clingo::SymbolicAtoms atoms = solver_->control().symbolic_atoms();
-    auto found = atoms.find(Clingo::parse_term(atom.c_str()));
-    if (!found)
-    {
-      return !wants_true;
-    }
-    return !hasModel(*cost, {wants_true ? -found->literal() : found->literal()});
+    return false;
   }
-  return false;
+  const Clingo::SymbolicAtoms atoms = solver_->control().symbolic_atoms();
+  auto found = atoms.find(Clingo::parse_term(atom.c_str()));
+  return found ? !hasModel(*cost, {wants_true ? -found->literal() : found->literal()})
+               : !wants_true;
 }
 
 std::set<std::string> HistoryCheck::defaultNames() const
@@ -165,39 +169,33 @@ std::vector<InitialWorld> HistoryCheck::worlds(const std::vector<bool>& kept,
                                                std::size_t limit)
 {
   std::vector<InitialWorld> worlds;
-  choose(kept, defaults);
-  for (const Assumable& level : levels_)
+  const auto cost = minimalExplanation(kept, defaults);
+  if (!cost)
   {
-    allow(level);
-    const auto cost = leastCost();
-    if (!cost)
-    {
-      continue;
-    }
-    bound(&*cost);
-    solver_->configure("solve.models", std::to_string(limit + 1));
-    for (const Clingo::Model& model : solver_->control().solve())
-    {
-      InitialWorld world;
-      for (const Clingo::Symbol& symbol : model.symbols(Clingo::ShowType::Shown))
-      {
-        if (symbol.match("ab", 1))
-        {
-          world.assumed.push_back(symbol.arguments()[0]);
-        }
-        else if (symbol.match("c", 2) || symbol.match("cn", 2))
-        {
-          world.closure.insert(symbol);
-        }
-      }
-      std::sort(world.assumed.begin(), world.assumed.end());
-      worlds.push_back(std::move(world));
-    }
-    if (worlds.size() > limit)
-    {
-      worlds.clear();
-    }
     return worlds;
+  }
+  bound(&*cost);
+  solver_->configure("solve.models", std::to_string(limit + 1));
+  solver_->solve([&](const Clingo::Model& model) {
+    InitialWorld world;
+    for (const Clingo::Symbol& symbol : model.symbols(Clingo::ShowType::Shown))
+    {
+      if (symbol.match("ab", 1))
+      {
+        world.assumed.push_back(symbol.arguments()[0]);
+      }
+      else if (symbol.match("c", 2) || symbol.match("cn", 2))
+      {
+        world.closure.insert(symbol);
+      }
+    }
+    std::sort(world.assumed.begin(), world.assumed.end());
+    worlds.push_back(std::move(world));
+    return true;
+  });
+  if (worlds.size() > limit)
+  {
+    worlds.clear();
   }
   return worlds;
 }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -32,6 +33,9 @@ public:
   HistoryCheck(const Description& description, const HistoryProgram& program,
                const std::vector<CheckedRecord>& records, int current_step, bool exogenous_first);
 
+  /// When questions have to end from now on.
+  void limitTo(const SearchLimit& limit) { solver_->limitTo(limit); }
+
   /// Whether these records entail a literal (Zhang et al. 2014, Definition 3). False when they are
   /// inconsistent.
   /// @param kept      for each record whether it is there
@@ -52,6 +56,10 @@ private:
   void choose(const std::vector<bool>& kept, const std::set<std::string>* defaults);
   void allow(const Assumable& assumable);
   void set(const Clingo::Symbol& external, bool value);
+  /// Leaves these records and defaults, and what the first level of assumptions that explains them
+  /// may assume; the least price of that. Nothing when they are inconsistent.
+  [[nodiscard]] std::optional<std::vector<std::int64_t>> minimalExplanation(
+      const std::vector<bool>& kept, const std::set<std::string>* defaults);
   /// The least price under the assumptions, as clingo's cost; nothing without a model.
   std::optional<std::vector<std::int64_t>> leastCost();
   bool hasModel(const std::vector<std::int64_t>& cost,

@@ -130,7 +130,7 @@ std::optional<Explainer::Argument> Explainer::necessity(const Kept& kept, const 
   for (const bool wide : {false, true})
   {
     HistoryTheory theory(description_, words_, instances_, records_, kept, without, current_step_,
-                         about, wide);
+                         about, wide, limit_);
     ProofWriter writer(theory, words_, without, records_);
     const auto refute = [&](const Leaves& leaves) {
       return theory.refute({&leaves.records, &leaves.defaults, &leaves.assumed}, excepted,
@@ -178,7 +178,7 @@ std::optional<Explainer::Argument> Explainer::argueIn(const Kept& kept, const In
   for (const bool wide : {false, true})
   {
     HistoryTheory theory(description_, words_, instances_, records_, kept, world, current_step_,
-                         literal.atom, wide);
+                         literal.atom, wide, limit_);
     ProofWriter writer(theory, words_, world, records_);
     const auto prove = [&](const Leaves& leaves) {
       return theory.prove(literal, step, {&leaves.records, &leaves.defaults, &leaves.assumed},

@@ -21,12 +21,14 @@ public:
   /// All must outlive this object.
   /// @param check  may be nullptr for justify()
   Explainer(const Description& description, const Words& words, const Instances& instances,
-            const std::vector<CheckedRecord>& records, int current_step, HistoryCheck* check)
+            const std::vector<CheckedRecord>& records, int current_step, const SearchLimit& limit,
+            HistoryCheck* check)
     : description_(description)
     , words_(words)
     , instances_(instances)
     , records_(records)
     , current_step_(current_step)
+    , limit_(limit)
     , check_(check)
   {
   }
@@ -62,6 +64,7 @@ private:
   const Instances& instances_;
   const std::vector<CheckedRecord>& records_;
   int current_step_;
+  const SearchLimit& limit_;
   HistoryCheck* check_;
 };
 

@@ -126,7 +126,7 @@ Dynamics& HistoryProgram::dynamics(bool exogenous) const
   std::unique_ptr<Dynamics>& kept = exogenous ? exogenous_dynamics_ : dynamics_;
   if (!kept)
   {
-    kept = std::make_unique<Dynamics>(description_, exogenous);
+    kept = std::make_unique<Dynamics>(description_, exogenous, limit_);
   }
   return *kept;
 }
@@ -145,7 +145,8 @@ std::shared_ptr<Closure> HistoryProgram::closureFor(const std::vector<CheckedRec
   }
   if (!closure_ || !closure_->covers(statements))
   {
-    closure_ = std::make_shared<Closure>(encoding_.vocabulary() + closure(), std::move(statements));
+    closure_ = std::make_shared<Closure>(encoding_.vocabulary() + closure(), std::move(statements),
+                                         limit_);
   }
   return closure_;
 }

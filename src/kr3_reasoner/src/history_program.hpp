@@ -45,6 +45,10 @@ public:
   [[nodiscard]] const Description& description() const { return description_; }
   [[nodiscard]] const ReasonerOptions& options() const { return options_; }
 
+  /// When the question that the program is used for has to end.
+  void limitTo(const SearchLimit& limit) { limit_ = limit; }
+  [[nodiscard]] const SearchLimit& limit() const { return limit_; }
+
   /// What is grounded once and kept; made when it is first asked for.
   [[nodiscard]] Dynamics& dynamics(bool exogenous) const;
   [[nodiscard]] std::shared_ptr<Closure> closureFor(
@@ -83,6 +87,7 @@ private:
   const Description& description_;
   ReasonerOptions options_;
   Encoding encoding_;
+  SearchLimit limit_;
   mutable std::unique_ptr<Dynamics> dynamics_;            // without exogenous actions
   mutable std::unique_ptr<Dynamics> exogenous_dynamics_;  // with them
   // Shared: a history that was unrolled keeps its closure when other records need another one.

@@ -9,13 +9,15 @@ namespace kr3::reasoner
 HistoryTheory::HistoryTheory(const Description& description, const Words& words,
                              const Instances& instances, const std::vector<CheckedRecord>& records,
                              const std::vector<bool>& kept, const InitialWorld& world,
-                             int current_step, const Atom& fluent, bool wide)
+                             int current_step, const Atom& fluent, bool wide,
+                             const SearchLimit& limit)
   : description_(description)
   , words_(words)
   , records_(records)
   , world_(world)
   , current_step_(current_step)
-  , rules_(description, words, instances, records, kept, world, fluent, wide)
+  , rules_(description, words, instances, records, kept, world, fluent, wide, limit)
+  , propagation_(limit)
 {
   for (const Atom& atom : rules_.fluents())
   {

@@ -56,7 +56,8 @@ class HistoryTheory
 public:
   HistoryTheory(const Description& description, const Words& words, const Instances& instances,
                 const std::vector<CheckedRecord>& records, const std::vector<bool>& kept,
-                const InitialWorld& world, int current_step, const Atom& fluent, bool wide);
+                const InitialWorld& world, int current_step, const Atom& fluent, bool wide,
+                const SearchLimit& limit);
 
   /// The inference of a literal from the evidence, or -1. What is observed is tried before what
   /// defaults say.

@@ -35,10 +35,10 @@ LiteralTruths::LiteralTruths(Solver& solver, const std::vector<SolverLiteral>& l
   {
     solver.configure("solve.enum_mode", all ? "cautious" : "brave");
     Clingo::SymbolVector last;
-    for (const Clingo::Model& model : solver.control().solve())
-    {
+    solver.solve([&](const Clingo::Model& model) {
       last = model.symbols(Clingo::ShowType::Shown);  // the last is the answer
-    }
+      return true;
+    });
     for (const Clingo::Symbol symbol : last)
     {
       if (symbol.match(name, 1))

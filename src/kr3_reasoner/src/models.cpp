@@ -22,7 +22,7 @@ struct SolvedHistory
   SolvedHistory(const HistoryProgram& program, const Records& records, int current_step,
                 const UnrolledHistory::Mode& mode, const std::vector<std::string>& arguments,
                 AtomComponents* components = nullptr)
-    : solver(arguments)
+    : solver(arguments, program.limit())
   {
     RuleSink sink(solver.control(), components);
     history = std::make_unique<UnrolledHistory>(program, records, current_step, mode, sink);
@@ -41,10 +41,7 @@ struct SolvedHistory
     history->bound(optimum.price, sink);
   }
 
-  [[nodiscard]] bool isConsistent()
-  {
-    return is_constant || solver.control().solve().get().is_satisfiable();
-  }
+  [[nodiscard]] bool isConsistent() { return is_constant || solver.isSatisfiable(); }
 
   Solver solver;
   std::unique_ptr<UnrolledHistory> history;
@@ -115,13 +112,7 @@ void forEachModel(SolvedHistory& solved, const std::vector<SolverLiteral>& liter
   solved.solver.control().with_backend([&](Clingo::Backend& backend) {
     backend.project({atoms.data(), atoms.size()});
   });
-  for (const Clingo::Model& model : solved.solver.control().solve())
-  {
-    if (!visit(model))
-    {
-      break;
-    }
-  }
+  solved.solver.solve(visit);
 }
 
 /// The assumptions that a minimal explanation may make; nothing when the history is inconsistent.
@@ -144,10 +135,7 @@ std::optional<SettledAssumptions> candidates(const HistoryProgram& program, cons
     }
   }
   std::unordered_set<AtomComponents::Atom> suspected;
-  bool consistent = false;
-  for (const Clingo::Model& model : solved.solver.control().solve())
-  {
-    consistent = true;
+  const bool consistent = solved.solver.solve([&](const Clingo::Model& model) {
     for (const auto& [component, literals] : denials)
     {
       if (std::any_of(literals.begin(), literals.end(),
@@ -156,7 +144,8 @@ std::optional<SettledAssumptions> candidates(const HistoryProgram& program, cons
         suspected.insert(component);
       }
     }
-  }
+    return true;
+  });
   if (!consistent)
   {
     return std::nullopt;
@@ -164,13 +153,7 @@ std::optional<SettledAssumptions> candidates(const HistoryProgram& program, cons
   std::unordered_set<AtomComponents::Atom> needed;
   for (const AtomComponents::Atom component : suspected)
   {
-    const std::vector<SolverLiteral>& denied = denials.at(component);
-    const bool free =
-        solved.solver.control()
-            .solve(Clingo::LiteralSpan(denied.data(), denied.size()), nullptr, false, false)
-            .get()
-            .is_satisfiable();
-    if (!free)
+    if (!solved.solver.isSatisfiable(denials.at(component)))
     {
       needed.insert(component);
     }
@@ -204,11 +187,8 @@ std::optional<Optimum> minimalPrice(const HistoryProgram& program, const Records
     RuleSink sink(solved.solver.control());
     solved.history->minimize(sink);
   }
-  bool consistent = false;
   Optimum optimum{assumable, {}, 0, SettledAssumptions{}};
-  for (const Clingo::Model& model : solved.solver.control().solve())
-  {
-    consistent = true;
+  const bool consistent = solved.solver.solve([&](const Clingo::Model& model) {
     optimum.price = {};
     for (const AssumedLiteral& assumption : solved.history->assumptions())
     {
@@ -218,7 +198,8 @@ std::optional<Optimum> minimalPrice(const HistoryProgram& program, const Records
             assumption.price;
       }
     }
-  }
+    return true;
+  });
   if (!consistent)
   {
     return std::nullopt;
@@ -404,10 +385,7 @@ std::vector<std::size_t> minimalConflict(const HistoryProgram& program, const Re
     {
       assumed.push_back(kept[i] ? switches[i] : -switches[i]);
     }
-    return solved.solver.control()
-        .solve(Clingo::LiteralSpan(assumed.data(), assumed.size()), nullptr, false, false)
-        .get()
-        .is_satisfiable();
+    return solved.solver.isSatisfiable(assumed);
   };
   // Whatever is not needed for the conflict goes, one record after the other.
   for (std::size_t i = 0; i < records.size(); ++i)

@@ -205,6 +205,7 @@ void Propagation::process(const FiniteLiteral& open)
 
 int Propagation::propagate()
 {
+  limit_.check();
   do
   {
     while (contradiction_ < 0 && num_processed_ < trail_.size())

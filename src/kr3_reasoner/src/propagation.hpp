@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "search_limit.hpp"
+
 namespace kr3::reasoner
 {
 
@@ -41,6 +43,9 @@ struct Inference
 class Propagation
 {
 public:
+  /// @param limit  of all searching; must outlive this object
+  explicit Propagation(const SearchLimit& limit) : limit_(limit) {}
+
   /// @param size  of the domain, at least 1
   int addVariable(int size);
 
@@ -107,6 +112,7 @@ private:
   int refuteByCases(int& max_cases);
   [[nodiscard]] const FiniteLiteral* distinction() const;
 
+  const SearchLimit& limit_;
   std::vector<int> sizes_;
   std::vector<std::size_t> offsets_;
   std::size_t num_literals_ = 0;

@@ -1,6 +1,8 @@
 #include "kr3_reasoner/reasoner.hpp"
 
+#include <algorithm>
 #include <optional>
+#include <string>
 #include <unordered_map>
 #include <utility>
 
@@ -59,8 +61,19 @@ void Reasoner::addRecords(const std::vector<Record>& records)
   impl_->take(std::move(checked));
 }
 
+void Reasoner::setLimits(const Limits& limits)
+{
+  if (limits.time_limit.count() < 0)
+  {
+    throw InvalidArgument("found a time limit of " + std::to_string(limits.time_limit.count()) +
+                          " ms, expected at least 0");
+  }
+  impl_->setLimits(limits);
+}
+
 Answer Reasoner::entails(const std::string& literal, int step) const
 {
+  const auto question = impl_->ask("entailment");
   const Literal parsed = parseGroundLiteral(literal, impl_->description());
   const Consequences& consequences = impl_->consequences(step);
   if (consequences.inAll(parsed, step))
@@ -72,11 +85,13 @@ Answer Reasoner::entails(const std::string& literal, int step) const
 
 bool Reasoner::possible(const std::string& literal, int step) const
 {
+  const auto question = impl_->ask("entailment");
   return impl_->consequences(step).inSome(parseGroundLiteral(literal, impl_->description()), step);
 }
 
 std::vector<HistoryModel> Reasoner::models(std::size_t limit) const
 {
+  const auto question = impl_->ask("the enumeration of models");
   const int last = impl_->currentStep();
   static_cast<void>(impl_->consequences(last));  // refuses an inconsistent history
   const std::vector<GroundFluent> fluents = groundFluents(impl_->description());
@@ -121,6 +136,7 @@ std::vector<HistoryModel> Reasoner::models(std::size_t limit) const
 
 std::vector<Literal> Reasoner::entailedAt(int step) const
 {
+  const auto question = impl_->ask("entailment");
   const Consequences& consequences = impl_->consequences(step);
   std::vector<Literal> entailed;
   for (const GroundFluent& fluent : groundFluents(impl_->description()))
@@ -153,6 +169,7 @@ std::vector<Literal> Reasoner::entailedAt(int step) const
 
 std::vector<std::string> Reasoner::possibleValues(const std::string& fluent, int step) const
 {
+  const auto question = impl_->ask("entailment");
   const Consequences& consequences = impl_->consequences(step);
   const GroundFluent ground = impl_->groundFluent(fluent);
   std::vector<std::string> values;
@@ -166,11 +183,20 @@ std::vector<std::string> Reasoner::possibleValues(const std::string& fluent, int
   return values;
 }
 
-PlanResult Reasoner::plan(const std::string& goal, const PlanOptions& options,
-                          const std::atomic<bool>* cancel) const
+PlanResult Reasoner::plan(const std::string& goal, const PlanOptions& asked,
+                          const std::atomic<bool>* given_cancel) const
 {
   const Formula formula = parseGoal(goal, impl_->description());
-  checkPlanOptions(options);
+  checkPlanOptions(asked);
+  PlanOptions options = asked;
+  Limits limits = impl_->limits();
+  if (limits.time_limit.count() > 0)
+  {
+    options.time_limit = std::min(options.time_limit, limits.time_limit);
+  }
+  const std::atomic<bool>* const cancel = given_cancel != nullptr ? given_cancel : limits.cancel;
+  limits = {options.time_limit, cancel};
+  const DomainKnowledge::Question question(*impl_->knowledge(), limits, "planning");
   const int step = impl_->currentStep();
   // What raw answer set programming code depends on, nothing says: then all is relevant.
   if (options.relevant_only && impl_->description().asp_blocks.empty())
@@ -202,12 +228,14 @@ RelevantPart Reasoner::relevant(const std::string& goal) const
 
 std::string Reasoner::translation() const
 {
+  const auto question = impl_->ask("the translation");
   return translationOf(impl_->description(), impl_->program(), impl_->records(),
                        impl_->currentStep(), impl_->requiredOptimum(), nullptr);
 }
 
 std::string Reasoner::translation(const std::string& goal, int length) const
 {
+  const auto question = impl_->ask("the translation");
   if (length < 0)
   {
     throw InvalidArgument("found a plan of " + std::to_string(length) +

@@ -9,6 +9,7 @@ namespace kr3::reasoner
 
 Diagnosis Reasoner::diagnose() const
 {
+  const auto asked = impl_->ask("diagnosis");
   constexpr std::size_t kMaxJustifiedAlternatives = 8;  // a proof each: people read no more
   Diagnosis diagnosis;
   const std::optional<Optimum>& optimum = impl_->optimum();
@@ -28,7 +29,7 @@ Diagnosis Reasoner::diagnose() const
   diagnosis.cost = optimum->price.assumptions + optimum->price.retractions;
   const Words words = impl_->words();
   Explainer explainer(impl_->description(), words, impl_->instances(), impl_->records(),
-                      impl_->currentStep(), nullptr);
+                      impl_->currentStep(), impl_->program().limit(), nullptr);
   for (const auto& explanation :
        explanationsOf(impl_->program(), impl_->records(), impl_->currentStep(), *optimum))
   {
@@ -55,6 +56,7 @@ Diagnosis Reasoner::diagnose() const
 
 Explanation Reasoner::explain(const std::string& literal, int step) const
 {
+  const auto asked = impl_->ask("explanation");
   const Literal parsed = parseGroundLiteral(literal, impl_->description());
   Explanation explanation;
   if (!impl_->consequences(step).inAll(parsed, step))
@@ -66,6 +68,7 @@ Explanation Reasoner::explain(const std::string& literal, int step) const
 
 OpenQuestion Reasoner::whyUnknown(const std::string& text, int step) const
 {
+  const auto asked = impl_->ask("explanation");
   const Literal literal =
       normalized(parseGroundLiteral(text, impl_->description()), impl_->description());
   const Consequences& consequences = impl_->consequences(step);

@@ -125,12 +125,6 @@ GroundFluent Reasoner::Impl::groundFluent(const std::string& name) const
 
 Explanation Reasoner::Impl::explain(const Literal& literal, int step)
 {
-  if (!check_)
-  {
-    check_ = std::make_unique<HistoryCheck>(description(), program(), records_, currentStep(),
-                                            options().diagnose_exogenous);
-  }
-  const Words here = words();
   if (instances().isStatic(literal))
   {
     Explanation fact;
@@ -142,8 +136,26 @@ Explanation Reasoner::Impl::explain(const Literal& literal, int step)
     fact.reasons = {fact.proof.sentence};
     return fact;
   }
-  return Explainer(description(), here, instances(), records_, currentStep(), check_.get())
-      .explain(literal, step);
+  if (!check_)
+  {
+    check_ = std::make_unique<HistoryCheck>(description(), program(), records_, currentStep(),
+                                            options().diagnose_exogenous);
+  }
+  const Words here = words();
+  try
+  {
+    check_->limitTo(program().limit());
+    Explanation explanation = Explainer(description(), here, instances(), records_, currentStep(),
+                                        program().limit(), check_.get())
+                                  .explain(literal, step);
+    check_->limitTo({});
+    return explanation;
+  }
+  catch (...)
+  {
+    check_.reset();  // it was interrupted
+    throw;
+  }
 }
 
 Reasoner Reasoner::Impl::without(const std::vector<std::size_t>& given_up) const
@@ -157,6 +169,7 @@ Reasoner Reasoner::Impl::without(const std::vector<std::size_t>& given_up) const
     }
   }
   auto impl = std::make_unique<Impl>(knowledge_, currentStep());
+  impl->setLimits(limits_);
   impl->take(std::move(kept));
   return Reasoner(std::move(impl));
 }

@@ -36,6 +36,15 @@ public:
 
   void take(std::vector<CheckedRecord> records);
 
+  [[nodiscard]] const Limits& limits() const { return limits_; }
+  void setLimits(const Limits& limits) { limits_ = limits; }
+
+  /// To be kept while a public question is answered. @param name  for messages; a literal
+  [[nodiscard]] DomainKnowledge::Question ask(const char* name)
+  {
+    return {*knowledge_, limits_, name};
+  }
+
   /// The minimal price of the history; nothing when it is inconsistent.
   const std::optional<Optimum>& optimum();
   /// The same of a history that has to be consistent. @throws FailedPrecondition
@@ -69,6 +78,7 @@ private:
 
   std::shared_ptr<DomainKnowledge> knowledge_;  // with the reasoners that this one supposes
   int least_step_;
+  Limits limits_;
   std::vector<CheckedRecord> records_;
   std::vector<Record> history_;
   std::unique_ptr<std::optional<Optimum>> optimum_;

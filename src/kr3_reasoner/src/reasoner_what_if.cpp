@@ -16,6 +16,7 @@ constexpr std::size_t kMaxRetractions = 8;
 Reasoner Reasoner::supposing(const std::vector<Record>& hypothetical) const
 {
   Reasoner reasoner(std::make_unique<Impl>(impl_->knowledge(), impl_->leastStep()));
+  reasoner.impl_->setLimits(impl_->limits());
   reasoner.impl_->take(impl_->records());
   reasoner.addRecords(hypothetical);
   return reasoner;
@@ -23,6 +24,7 @@ Reasoner Reasoner::supposing(const std::vector<Record>& hypothetical) const
 
 std::vector<Retraction> Reasoner::retractions() const
 {
+  const auto question = impl_->ask("the search for retractions");
   const std::optional<Optimum>& optimum = impl_->optimum();
   if (optimum && optimum->price.retractions == 0)
   {
@@ -43,6 +45,7 @@ std::vector<Retraction> Reasoner::retractions() const
 
 std::vector<Retraction> Reasoner::retractionsFor(const std::string& literal, int step) const
 {
+  const auto question = impl_->ask("the search for retractions");
   const Literal wanted =
       normalized(parseGroundLiteral(literal, impl_->description()), impl_->description());
   impl_->checkStep(step);
@@ -59,6 +62,7 @@ std::vector<Retraction> Reasoner::retractionsFor(const std::string& literal, int
 
 Retraction Reasoner::leastCertainRefutation(const std::string& fluent) const
 {
+  const auto question = impl_->ask("the search for retractions");
   const int now = impl_->currentStep();
   const GroundFluent ground = impl_->groundFluent(fluent);
   const Consequences any = impl_->atAnyPrice();

@@ -56,9 +56,10 @@ void checkPlanOptions(const PlanOptions& options)
 /// A slice with its history explained; without an optimum the history is inconsistent.
 struct RelevantPlanner::Explained
 {
-  Explained(Slice part, const ReasonerOptions& options)
+  Explained(Slice part, const ReasonerOptions& options, const SearchLimit& limit)
     : slice(std::move(part)), program(slice.description, options)
   {
+    program.limitTo(limit);
   }
 
   Slice slice;
@@ -79,14 +80,15 @@ RelevantPlanner::RelevantPlanner(const GroundRules& rules,
 }
 
 std::unique_ptr<RelevantPlanner::Explained> RelevantPlanner::explain(const Formula& goal,
-                                                                     Slice slice) const
+                                                                     Slice slice,
+                                                                     const SearchLimit& limit) const
 {
-  auto explained = std::make_unique<Explained>(std::move(slice), options_);
+  auto explained = std::make_unique<Explained>(std::move(slice), options_, limit);
   std::optional<Slice> rest_slice = slicer_.forRest(goal);
   std::unique_ptr<Explained> rest;
   if (rest_slice)
   {
-    rest = std::make_unique<Explained>(std::move(*rest_slice), options_);
+    rest = std::make_unique<Explained>(std::move(*rest_slice), options_, limit);
   }
   ExplanationStart start;
   start.uncertain = std::any_of(records_.begin(), records_.end(), [](const CheckedRecord& checked) {
@@ -169,8 +171,10 @@ PlanResult RelevantPlanner::plan(const Formula& goal, const PlanOptions& options
   for (int widened = 0;; ++widened)
   {
     const std::unique_ptr<Explained> explained =
-        explain(goal, slicer_.forGoal(goal, leave_out ? std::optional<int>(horizon) : std::nullopt,
-                                      options.extra_share));
+        explain(goal,
+                slicer_.forGoal(goal, leave_out ? std::optional<int>(horizon) : std::nullopt,
+                                options.extra_share),
+                {deadline, cancel});
     const Slice& slice = explained->slice;
     if (!explained->optimum)
     {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "kr3_reasoner/reasoner.hpp"
+#include "search_limit.hpp"
 #include "slice.hpp"
 
 namespace kr3::reasoner
@@ -35,7 +36,8 @@ public:
 private:
   struct Explained;
 
-  [[nodiscard]] std::unique_ptr<Explained> explain(const Formula& goal, Slice slice) const;
+  [[nodiscard]] std::unique_ptr<Explained> explain(const Formula& goal, Slice slice,
+                                                   const SearchLimit& limit) const;
   [[nodiscard]] bool mayBeSpare(const Explained& explained) const;
 
   const std::vector<CheckedRecord>& records_;

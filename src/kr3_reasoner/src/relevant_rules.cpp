@@ -40,7 +40,7 @@ std::optional<Binding> about(const Literal& literal, const Atom& fluent, const B
 RelevantRules::RelevantRules(const Description& description, const Words& words,
                              const Instances& instances, const std::vector<CheckedRecord>& records,
                              const std::vector<bool>& kept, const InitialWorld& world,
-                             const Atom& fluent, bool wide)
+                             const Atom& fluent, bool wide, const SearchLimit& limit)
   : description_(description), words_(words), instances_(instances), records_(records), wide_(wide)
 {
   findOccurrences(kept, world);
@@ -48,6 +48,7 @@ RelevantRules::RelevantRules(const Description& description, const Words& words,
   want(fluent);
   for (std::size_t next = 0; next < fluents_.size(); ++next)
   {
+    limit.check();
     const Atom here = fluents_[next];
     expand(here);
   }

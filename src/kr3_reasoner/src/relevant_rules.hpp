@@ -74,7 +74,7 @@ public:
   /// @param wide   follow constraints from bodies to heads, too: all that is connected
   RelevantRules(const Description& description, const Words& words, const Instances& instances,
                 const std::vector<CheckedRecord>& records, const std::vector<bool>& kept,
-                const InitialWorld& world, const Atom& fluent, bool wide);
+                const InitialWorld& world, const Atom& fluent, bool wide, const SearchLimit& limit);
 
   [[nodiscard]] const std::vector<Atom>& fluents() const { return fluents_; }
   [[nodiscard]] bool isRelevant(const Atom& fluent) const;

@@ -17,8 +17,7 @@ constexpr std::size_t kMaxTries = 24;
 std::optional<std::vector<std::size_t>> cheapest(Solver& solver)
 {
   std::optional<std::vector<std::size_t>> wrong;
-  for (const Clingo::Model& model : solver.control().solve())
-  {
+  solver.solve([&](const Clingo::Model& model) {
     wrong.emplace();
     for (const Clingo::Symbol& symbol : model.symbols(Clingo::ShowType::Shown))
     {
@@ -28,7 +27,8 @@ std::optional<std::vector<std::size_t>> cheapest(Solver& solver)
       }
     }
     std::sort(wrong->begin(), wrong->end());
-  }
+    return true;
+  });
   return wrong;
 }
 
@@ -58,7 +58,7 @@ std::vector<std::vector<std::size_t>> retractionSets(
     const std::function<bool(const std::vector<std::size_t>&)>& accept)
 {
   const Encoding encoding(description);
-  Solver solver({"0", "--opt-strategy=usc", "--warn=none"});
+  Solver solver({"0", "--opt-strategy=usc", "--warn=none"}, program.limit());
   program.addTo(solver);
   std::string wanted;
   for (const Literal& literal : excluded)

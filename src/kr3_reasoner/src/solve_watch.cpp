@@ -1,6 +1,7 @@
 #include "solve_watch.hpp"
 
-#include <kr3_common/error.hpp>
+#include <algorithm>
+#include <chrono>
 
 namespace kr3::reasoner
 {
@@ -20,26 +21,17 @@ SolveWatch::~SolveWatch()
   thread_.join();
 }
 
-void SolveWatch::check(const std::string& what) const
-{
-  if (limit_.cancel != nullptr && limit_.cancel->load())
-  {
-    throw Cancelled("planning was cancelled");
-  }
-  if (std::chrono::steady_clock::now() > limit_.deadline)
-  {
-    throw DeadlineExceeded("planning took longer than its time limit, " + what);
-  }
-}
-
 void SolveWatch::run()
 {
   constexpr std::chrono::milliseconds kPeriod{10};
   std::unique_lock<std::mutex> lock(mutex_);
-  while (!stopped_.wait_for(lock, kPeriod, [this] { return stop_; }))
+  // without a flag to look at, there is nothing to do before the deadline
+  const auto start = std::chrono::steady_clock::now();
+  auto next = limit_.cancel == nullptr ? std::max(start, limit_.deadline) : start + kPeriod;
+  while (!stopped_.wait_until(lock, next, [this] { return stop_; }))
   {
-    const bool cancelled = limit_.cancel != nullptr && limit_.cancel->load();
-    if (cancelled || std::chrono::steady_clock::now() > limit_.deadline)
+    next = std::chrono::steady_clock::now() + kPeriod;
+    if (limit_.isReached())
     {
       control_.interrupt();  // again and again: the next call may not have begun
     }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <atomic>
-#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <string>
@@ -9,15 +7,10 @@
 
 #include <clingo.hh>
 
+#include "search_limit.hpp"
+
 namespace kr3::reasoner
 {
-
-/// When a search has to end.
-struct SearchLimit
-{
-  std::chrono::steady_clock::time_point deadline;
-  const std::atomic<bool>* cancel = nullptr;
-};
 
 /// Interrupts a solver from a thread of its own when a limit is reached, so that solving needs no
 /// thread for each call. Private to the package.
@@ -32,7 +25,7 @@ public:
 
   /// @throws Cancelled, DeadlineExceeded  the limit is reached
   /// @param what  what takes so long, for the message
-  void check(const std::string& what) const;
+  void check(const std::string& what) const { limit_.check(what); }
 
 private:
   void run();

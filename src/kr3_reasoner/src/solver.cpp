@@ -8,7 +8,22 @@
 namespace kr3::reasoner
 {
 
-Solver::Solver(const std::vector<std::string>& arguments)
+/// Sees each ground rule as it is made, which is the only place where grounding can be ended.
+class Solver::GroundingLimit : public Clingo::GroundProgramObserver
+{
+public:
+  explicit GroundingLimit(const SearchLimit& limit) : limit_(limit) {}
+
+  void rule(bool /*choice*/, Clingo::AtomSpan /*head*/, Clingo::LiteralSpan /*body*/) override
+  {
+    limit_.check();
+  }
+
+private:
+  const SearchLimit& limit_;
+};
+
+Solver::Solver(const std::vector<std::string>& arguments, const SearchLimit& limit)
   : messages_(std::make_unique<std::string>())
 {
   std::vector<const char*> pointers;
@@ -22,6 +37,19 @@ Solver::Solver(const std::vector<std::string>& arguments)
     messages->append(message).append("\n");
       },
       20);
+  limitTo(limit);
+}
+
+Solver::~Solver() = default;
+
+void Solver::limitTo(const SearchLimit& limit)
+{
+  watch_.reset();
+  limit_ = limit;
+  if (limit_.isSet())
+  {
+    watch_ = std::make_unique<SolveWatch>(*control_, limit_);
+  }
 }
 
 void Solver::add(const std::string& part, const std::vector<std::string>& parameters,
@@ -60,14 +88,61 @@ void Solver::ground(const std::vector<Part>& parts)
     ground_parts.emplace_back(parts[i].name.c_str(),
                               Clingo::SymbolSpan(symbols[i].data(), symbols[i].size()));
   }
+  if (limit_.isSet() && !grounding_limit_)
+  {
+    grounding_limit_ = std::make_unique<GroundingLimit>(limit_);
+    control_->register_observer(*grounding_limit_);
+  }
   try
   {
     control_->ground(Clingo::PartSpan(ground_parts.data(), ground_parts.size()));
   }
   catch (const std::exception& e)
   {
+    limit_.check();
     throw InternalError("grounding failed: " + std::string(e.what()) + "\n" + *messages_);
   }
+}
+
+bool Solver::solve(const std::function<bool(const Clingo::Model&)>& visit,
+                   const std::vector<Clingo::literal_t>& assumed)
+{
+  limit_.check();
+  bool found = false;
+  auto handle =
+      control_->solve(Clingo::LiteralSpan(assumed.data(), assumed.size()), nullptr, false, true);
+  for (const Clingo::Model& model : handle)
+  {
+    found = true;
+    if (!visit(model))
+    {
+      return true;
+    }
+  }
+  if (handle.get().is_interrupted())
+  {
+    failAfterInterrupt();
+  }
+  return found;
+}
+
+bool Solver::isSatisfiable(const std::vector<Clingo::literal_t>& assumed)
+{
+  limit_.check();
+  const Clingo::SolveResult result =
+      control_->solve(Clingo::LiteralSpan(assumed.data(), assumed.size()), nullptr, false, false)
+          .get();
+  if (!result.is_satisfiable() && result.is_interrupted())
+  {
+    failAfterInterrupt();
+  }
+  return result.is_satisfiable();
+}
+
+void Solver::failAfterInterrupt() const
+{
+  limit_.check();
+  throw Cancelled(std::string(limit_.question) + " was interrupted");
 }
 
 void Solver::configure(const std::string& key, const std::string& value)

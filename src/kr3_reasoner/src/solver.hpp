@@ -1,19 +1,33 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <clingo.hh>
 
+#include "search_limit.hpp"
+#include "solve_watch.hpp"
+
 namespace kr3::reasoner
 {
 
-/// A clingo control whose messages end up in our errors. Private to the package; not thread-safe.
+/// A clingo control whose messages end up in our errors, and whose work ends with a limit. Private
+/// to the package; not thread-safe.
 class Solver
 {
 public:
-  explicit Solver(const std::vector<std::string>& arguments);
+  /// @param limit  of all that the solver does, until limitTo() gives another one
+  explicit Solver(const std::vector<std::string>& arguments, const SearchLimit& limit = {});
+
+  ~Solver();
+  Solver(Solver&&) = delete;
+  Solver& operator=(Solver&&) = delete;
+  Solver(const Solver&) = delete;
+  Solver& operator=(const Solver&) = delete;
+
+  void limitTo(const SearchLimit& limit);
 
   [[nodiscard]] Clingo::Control& control() { return *control_; }
 
@@ -28,14 +42,30 @@ public:
   };
 
   /// Grounds parts together: what one defines, the others may define too.
+  /// @throws Cancelled, DeadlineExceeded  the limit was reached; the solver is then worth nothing
   void ground(const std::vector<Part>& parts);
+
+  /// Shows `visit` the answer sets that agree with some literals, until it returns false. A model
+  /// is valid during the call only.
+  /// @return whether there is one
+  /// @throws Cancelled, DeadlineExceeded  the limit was reached
+  bool solve(const std::function<bool(const Clingo::Model&)>& visit,
+             const std::vector<Clingo::literal_t>& assumed = {});
+  [[nodiscard]] bool isSatisfiable(const std::vector<Clingo::literal_t>& assumed = {});
 
   /// Sets an option of the solver, as `solve.models`.
   void configure(const std::string& key, const std::string& value);
 
 private:
+  class GroundingLimit;
+
+  [[noreturn]] void failAfterInterrupt() const;
+
   std::unique_ptr<std::string> messages_;  // the logger keeps its address
+  SearchLimit limit_;
+  std::unique_ptr<GroundingLimit> grounding_limit_;  // the control keeps its address
   std::unique_ptr<Clingo::Control> control_;
+  std::unique_ptr<SolveWatch> watch_;  // the last: it uses the control
 };
 
 /// A symbol in the language: `loc(rob1)`, with a space after each comma.

@@ -57,6 +57,7 @@ UnrolledHistory::UnrolledHistory(const HistoryProgram& program,
   }
   for (int step = 0; step <= current_step; ++step)
   {
+    program_.limit().check();
     if (step > 0)
     {
       addTransition(records, step, sink);

@@ -4,8 +4,6 @@
 #include <set>
 #include <unordered_set>
 
-#include <kr3_common/error.hpp>
-
 #include "formula_rules.hpp"
 #include "ground_fluents.hpp"
 #include "relaxed_reach.hpp"
@@ -16,17 +14,7 @@ namespace kr3::reasoner
 namespace
 {
 
-void check(const SearchLimit& limit)
-{
-  if (limit.cancel != nullptr && limit.cancel->load())
-  {
-    throw Cancelled("planning was cancelled");
-  }
-  if (std::chrono::steady_clock::now() > limit.deadline)
-  {
-    throw DeadlineExceeded("planning took longer than its time limit, asking why there is no plan");
-  }
-}
+const char* const kAsking = "asking why there is no plan";
 
 /// The parts of a goal all of which have to hold.
 void flatten(const Formula& goal, std::vector<Formula>& conjuncts)
@@ -107,7 +95,7 @@ std::string whyImpossible(const Description& whole, std::vector<Formula> conjunc
 {
   Description description = whole;
   const auto is_impossible = [&] {
-    check(limit);
+    limit.check(kAsking);
     return !isPossible(description, conjuncts);
   };
   minimize(conjuncts, is_impossible);
@@ -139,7 +127,7 @@ std::string whyUnsolvable(const PlanningProblem& problem, const Formula& goal, i
 {
   std::vector<Formula> conjuncts;
   flatten(goal, conjuncts);
-  check(limit);
+  limit.check(kAsking);
   if (!isPossible(problem.description, conjuncts))
   {
     return whyImpossible(problem.description, conjuncts, limit);

@@ -50,6 +50,13 @@ void checkDefaultNames(const ReasonerOptions& options, const Description& descri
   }
 }
 
+std::chrono::milliseconds timeLimit(const Arguments& arguments)
+{
+  constexpr double kMaxSeconds = 1e6;
+  const double seconds = std::min(arguments.time_limit_s, kMaxSeconds);
+  return std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(seconds * 1e3)));
+}
+
 /// The reasoner with the history, and with what is assumed on top of it.
 Reasoner reasonerFor(const Arguments& arguments)
 {
@@ -57,6 +64,7 @@ Reasoner reasonerFor(const Arguments& arguments)
   Description description = readDescription(arguments.files);
   checkDefaultNames(options, description);
   Reasoner reasoner(std::move(description), options);
+  reasoner.setLimits({timeLimit(arguments), nullptr});
   for (const std::string& file : arguments.histories)
   {
     reasoner.addRecords(readHistory(file, reasoner.description()));
@@ -138,7 +146,6 @@ Json itemsJson(const std::vector<RelevantItem>& items)
 
 PlanOptions planOptions(const Arguments& arguments)
 {
-  constexpr double kMaxSeconds = 1e9;
   PlanOptions options;
   options.max_horizon = arguments.max_horizon;
   options.preference = arguments.preference == "cheapest" ? PlanPreference::kCheapest
@@ -149,7 +156,7 @@ PlanOptions planOptions(const Arguments& arguments)
   options.max_plans = arguments.max_plans;
   options.relevant_only = !arguments.whole;
   options.time_limit =
-      std::chrono::milliseconds(std::llround(std::min(arguments.time_limit_s, kMaxSeconds) * 1e3));
+      arguments.time_limit_s > 0.0 ? timeLimit(arguments) : std::chrono::minutes(1);
   return options;
 }
 

@@ -27,7 +27,7 @@ struct Arguments
   int step = -1;  ///< the current one
   int length = -1;
   int max_horizon = 12;
-  double time_limit_s = 60.0;
+  double time_limit_s = 0.0;  ///< of each question; 0: none, and a minute for a plan
   std::string preference = "shortest";
   int max_plans = 100;
   bool whole = false;  ///< plan on the whole description

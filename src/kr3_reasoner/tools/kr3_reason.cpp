@@ -146,6 +146,9 @@ private:
     sub->add_option("--format", arguments_.format, "text, or json for programs")
         ->capture_default_str()
         ->check(CLI::IsMember({"text", "json"}));
+    sub->add_option("--time-limit", arguments_.time_limit_s,
+                    "seconds that a question may take (default: none; a plan: 60)")
+        ->check(CLI::PositiveNumber);
     sub->add_flag("--exit-code", arguments_.exit_code,
                   "exit with 4 when the answer is negative (see kr3_reason --help)");
     sub->footer("\nFor example:\n  " + indented(examples));
@@ -209,9 +212,6 @@ private:
     command.add_option("--max-horizon", arguments_.max_horizon, "steps of the longest plan to try")
         ->capture_default_str()
         ->check(CLI::Range(1, kMaxSteps));
-    command.add_option("--time-limit", arguments_.time_limit_s, "seconds of search")
-        ->capture_default_str()
-        ->check(CLI::PositiveNumber);
     return command.add_option("--goal", arguments_.goal, "a FORMULA over literals");
   }
 

@@ -173,6 +173,15 @@ struct ReasonerOptions
   int least_step = 0;   ///< the current step is at least this, even if no record is about it
 };
 
+/// When a question has to end. What ends that way throws Cancelled or DeadlineExceeded, grounding
+/// included, and leaves the reasoner as it was.
+struct Limits
+{
+  std::chrono::milliseconds time_limit{0};    ///< wall time of each question; 0: none
+  const std::atomic<bool>* cancel = nullptr;  ///< may be set from another thread; must live as long
+                                              ///< as it is the reasoner's limit
+};
+
 /// The high-level reasoner: a description, a growing history, and questions about them, answered by
 /// clingo.
 ///
@@ -197,6 +206,12 @@ public:
   /// @throws InvalidArgument  a record does not fit the description
   void setHistory(std::vector<Record> records);
   void addRecords(const std::vector<Record>& records);
+
+  /// For all questions that follow, until other limits are set; reasoners that this one supposes
+  /// have the same. A question is over within about 20 ms of its limit. PlanOptions and the flag
+  /// that plan() is given hold besides; that flag takes the place of this one.
+  /// @throws InvalidArgument  a negative time limit
+  void setLimits(const Limits& limits);
 
   /// Paper, Definitions 2 and 3. @throws FailedPrecondition  the history is inconsistent
   /// (entailment only)

@@ -21,7 +21,8 @@ struct SparcImport
 /// module) is recognised and left out, since KR3 brings it.
 ///
 /// @param file  the program's name, for messages
-/// @throws InvalidArgument  with file, line, column and reason of every statement that is not in the
+/// @throws InvalidArgument  with file, line, column and reason of every statement that is not in
+/// the
 ///                          subset
 [[nodiscard]] SparcImport importSparc(const std::string& text, const std::string& file);
 

@@ -60,6 +60,8 @@ ReasonerNodeConfig loadReasonerNodeConfig(const ros::NodeHandle& private_nh)
   params.check(config.max_horizon >= 1, "max_horizon", "must be at least 1");
   config.time_limit_s = params.get("time_limit_s", config.time_limit_s);
   params.check(config.time_limit_s > 0.0, "time_limit_s", "must be positive");
+  config.question_time_limit_s = params.get("question_time_limit_s", config.question_time_limit_s);
+  params.check(config.question_time_limit_s > 0.0, "question_time_limit_s", "must be positive");
   config.max_records = params.get("max_records", config.max_records);
   params.check(config.max_records >= 1, "max_records", "must be at least 1");
   config.options.diagnose_exogenous =
@@ -99,6 +101,11 @@ ReasonerNode::~ReasonerNode()
   {
     work.result.wait();
   }
+}
+
+Limits ReasonerNode::questionLimits() const
+{
+  return {std::chrono::milliseconds(std::llround(config_.question_time_limit_s * 1e3)), nullptr};
 }
 
 ReasonerNode::Work ReasonerNode::startPlanning(const kr3_msgs::MakePlanGoal& goal)

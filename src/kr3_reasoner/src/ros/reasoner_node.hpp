@@ -34,6 +34,7 @@ struct ReasonerNodeConfig
   std::vector<std::string> more_files;
   int max_horizon = 12;
   double time_limit_s = 10.0;
+  double question_time_limit_s = 10.0;
   int max_records = 10000;
   ReasonerOptions options;
 };
@@ -61,6 +62,9 @@ private:
     std::shared_ptr<std::atomic<bool>> cancel;
     std::future<kr3_msgs::MakePlanResult> result;
   };
+
+  /// Of one service call.
+  [[nodiscard]] Limits questionLimits() const;
 
   /// A service: `answer` fills the response, what it throws becomes the status.
   template <typename Service>

@@ -61,6 +61,7 @@ void ReasonerNode::serve(
     respond(response.status, name, [&] {
       try
       {
+        reasoner_.setLimits(questionLimits());
         answer(request, response);
       }
       catch (const Error& e)
@@ -196,6 +197,7 @@ void ReasonerNode::diagnose(const kr3_msgs::Diagnose::Request& request,
   else
   {
     Reasoner other(reasoner_.description(), options);
+    other.setLimits(questionLimits());
     other.setHistory(reasoner_.history());
     diagnosis = other.diagnose();
   }
