@@ -64,6 +64,6 @@ if ! "${fuzzer[@]}" -artifact_prefix="$work/found/" -runs="$runs" -max_total_tim
 fi
 grep '^stat::' "$logs/fuzz.log"
 if [ "$merge" = yes ]; then
-  "${fuzzer[@]}" -merge=1 "$reasoner/test/corpus/parser" "$work/corpus" > "$logs/fuzz-merge.log" 2>&1
+  "${fuzzer[@]}" -merge=1 -use_counters=0 "$reasoner/test/corpus/parser" "$work/corpus" > "$logs/fuzz-merge.log" 2>&1
 fi
 say "no input failed"
