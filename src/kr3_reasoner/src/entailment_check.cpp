@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "law_switches.hpp"
+
 namespace kr3::reasoner
 {
 
@@ -33,17 +35,22 @@ bool InitialWorld::knows(const Literal& literal) const
 }
 
 HistoryCheck::HistoryCheck(const Description& description, const HistoryProgram& program,
-                           const std::vector<CheckedRecord>& records, int current_step,
-                           bool exogenous_first)
+                           const std::vector<CheckedRecord>& records, int current_step)
   : description_(description)
-  , levels_(assumableLevels(records, current_step, exogenous_first))
+  , laws_(description)
+  , switchable_(switchable(description, laws_))
+  , program_(switchable_, program.options())
+  , num_records_(records.size())
+  , levels_(assumableLevels(records, current_step, program.options().diagnose_exogenous))
   , solver_(std::make_unique<Solver>(
         std::vector<std::string>{"0", "--opt-strategy=usc", "--project=project", "--warn=none"},
         program.limit()))
 {
-  program.addTo(*solver_);
-  solver_->add("base", {}, kSwitches);  // with what it switches, lest that be simplified away
-  program.groundHistory(*solver_, records, current_step, {current_step > 0, true}, true);
+  program_.addTo(*solver_);
+  // with what they switch, lest that be simplified away
+  solver_->add("base", {}, kSwitches + lawSwitches());
+  solver_->add("state", {"_t"}, openDefinitions(description, laws_));
+  program_.groundHistory(*solver_, records, current_step, {current_step > 0, true}, true);
   solver_->ground({{"minimize", {}}});
   const Clingo::SymbolicAtoms atoms = solver_->control().symbolic_atoms();
   for (auto it = atoms.begin(Clingo::Signature("off", 1)); it; ++it)
@@ -64,17 +71,21 @@ void HistoryCheck::set(const Clingo::Symbol& external, bool value)
   }
 }
 
-void HistoryCheck::choose(const std::vector<bool>& kept, const std::set<std::string>* defaults)
+void HistoryCheck::choose(const Cited& kept)
 {
-  for (std::size_t i = 0; i < kept.size(); ++i)
+  for (std::size_t i = 0; i < num_records_; ++i)
   {
-    set(Clingo::Function("rec", {Clingo::Number(static_cast<int>(i))}), kept[i]);
+    set(Clingo::Function("rec", {Clingo::Number(static_cast<int>(i))}), kept.records.count(i) > 0);
+  }
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+  {
+    set(switchOf(i), kept.laws.count(i) > 0);
   }
   for (const auto& [name, switches] : defaults_)
   {
     for (const Clingo::Symbol& off : switches)
     {
-      set(off, defaults != nullptr && defaults->count(name) == 0);
+      set(off, kept.defaults.count(name) == 0);
     }
   }
 }
@@ -110,10 +121,9 @@ std::optional<std::vector<std::int64_t>> HistoryCheck::leastCost()
   return best;
 }
 
-std::optional<std::vector<std::int64_t>> HistoryCheck::minimalExplanation(
-    const std::vector<bool>& kept, const std::set<std::string>* defaults)
+std::optional<std::vector<std::int64_t>> HistoryCheck::minimalExplanation(const Cited& kept)
 {
-  choose(kept, defaults);
+  choose(kept);
   for (const Assumable& level : levels_)
   {
     allow(level);
@@ -133,8 +143,7 @@ bool HistoryCheck::hasModel(const std::vector<std::int64_t>& cost,
   return solver_->isSatisfiable(assumptions);
 }
 
-bool HistoryCheck::entail(const std::vector<bool>& kept, const std::set<std::string>* defaults,
-                          const Literal& open, int step)
+bool HistoryCheck::entail(const Cited& kept, const Literal& open, int step)
 {
   const Literal literal = normalized(open, description_);
   const FluentDeclaration& fluent = *description_.findFluent(literal.atom.name);
@@ -143,7 +152,7 @@ bool HistoryCheck::entail(const std::vector<bool>& kept, const std::set<std::str
                            (by_falsity ? "true" : literal.value.name) + "," + std::to_string(step) +
                            ")";
   const bool wants_true = literal.equal && !by_falsity;
-  const auto cost = minimalExplanation(kept, defaults);
+  const auto cost = minimalExplanation(kept);
   if (!cost)
   {
     return false;
@@ -154,22 +163,28 @@ bool HistoryCheck::entail(const std::vector<bool>& kept, const std::set<std::str
                : !wants_true;
 }
 
-std::set<std::string> HistoryCheck::defaultNames() const
+Cited HistoryCheck::all() const
 {
-  std::set<std::string> names;
+  Cited all;
+  for (std::size_t i = 0; i < num_records_; ++i)
+  {
+    all.records.insert(i);
+  }
   for (const auto& [name, switches] : defaults_)
   {
-    names.insert(name);
+    all.defaults.insert(name);
   }
-  return names;
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+  {
+    all.laws.insert(i);
+  }
+  return all;
 }
 
-std::vector<InitialWorld> HistoryCheck::worlds(const std::vector<bool>& kept,
-                                               const std::set<std::string>* defaults,
-                                               std::size_t limit)
+std::vector<InitialWorld> HistoryCheck::worlds(const Cited& kept, std::size_t limit)
 {
   std::vector<InitialWorld> worlds;
-  const auto cost = minimalExplanation(kept, defaults);
+  const auto cost = minimalExplanation(kept);
   if (!cost)
   {
     return worlds;

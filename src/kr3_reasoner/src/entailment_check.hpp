@@ -9,6 +9,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "laws.hpp"
 #include "models.hpp"
 
 namespace kr3::reasoner
@@ -25,41 +26,38 @@ struct InitialWorld
   [[nodiscard]] bool knows(const Literal& literal) const;
 };
 
-/// A history on one solver, in which records and ground defaults can be taken away for a question.
-/// Private to the package; not thread-safe.
+/// A history on one solver, in which records, ground defaults and laws can be taken away for a
+/// question. Private to the package; not thread-safe.
 class HistoryCheck
 {
 public:
+  /// @param program  its options and limit are taken over
   HistoryCheck(const Description& description, const HistoryProgram& program,
-               const std::vector<CheckedRecord>& records, int current_step, bool exogenous_first);
+               const std::vector<CheckedRecord>& records, int current_step);
+
+  [[nodiscard]] const Laws& laws() const { return laws_; }
+
+  /// All records, ground defaults and laws.
+  [[nodiscard]] Cited all() const;
 
   /// When questions have to end from now on.
   void limitTo(const SearchLimit& limit) { solver_->limitTo(limit); }
 
-  /// Whether these records entail a literal (Zhang et al. 2014, Definition 3). False when they are
+  /// Whether what is kept entails a literal (Zhang et al. 2014, Definition 3). False when it is
   /// inconsistent.
-  /// @param kept      for each record whether it is there
-  /// @param defaults  ground names, "d1(tb1)", of the only defaults there; nullptr: all are
-  [[nodiscard]] bool entail(const std::vector<bool>& kept, const std::set<std::string>* defaults,
-                            const Literal& literal, int step);
+  [[nodiscard]] bool entail(const Cited& kept, const Literal& literal, int step);
 
-  /// The ground names of all defaults.
-  [[nodiscard]] std::set<std::string> defaultNames() const;
-
-  /// The initial worlds of these records; empty when they are inconsistent or when there are more
-  /// than `limit`.
-  [[nodiscard]] std::vector<InitialWorld> worlds(const std::vector<bool>& kept,
-                                                 const std::set<std::string>* defaults,
-                                                 std::size_t limit);
+  /// The initial worlds of what is kept; empty when it is inconsistent or when there are more than
+  /// `limit`.
+  [[nodiscard]] std::vector<InitialWorld> worlds(const Cited& kept, std::size_t limit);
 
 private:
-  void choose(const std::vector<bool>& kept, const std::set<std::string>* defaults);
+  void choose(const Cited& kept);
   void allow(const Assumable& assumable);
   void set(const Clingo::Symbol& external, bool value);
-  /// Leaves these records and defaults, and what the first level of assumptions that explains them
+  /// Leaves what is kept, and what the first level of assumptions that explains them
   /// may assume; the least price of that. Nothing when they are inconsistent.
-  [[nodiscard]] std::optional<std::vector<std::int64_t>> minimalExplanation(
-      const std::vector<bool>& kept, const std::set<std::string>* defaults);
+  [[nodiscard]] std::optional<std::vector<std::int64_t>> minimalExplanation(const Cited& kept);
   /// The least price under the assumptions, as clingo's cost; nothing without a model.
   std::optional<std::vector<std::int64_t>> leastCost();
   bool hasModel(const std::vector<std::int64_t>& cost,
@@ -67,6 +65,10 @@ private:
   void bound(const std::vector<std::int64_t>* cost);
 
   const Description& description_;
+  Laws laws_;
+  const Description switchable_;
+  HistoryProgram program_;
+  std::size_t num_records_;
   std::vector<Assumable> levels_;
   std::unique_ptr<Solver> solver_;
   std::unordered_map<std::string, std::vector<Clingo::Symbol>> defaults_;  // by ground name

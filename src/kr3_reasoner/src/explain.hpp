@@ -14,7 +14,8 @@ namespace kr3::reasoner
 /// The minimal explanations E with the closures of what is known initially (worlds) come from the
 /// solver. In one world entailment is monotonic, so a proof is found by propagation and cut down
 /// to what it needs; each assumption is justified by the contradiction that the history without it
-/// leads to. The solver then checks that the records cited suffice and that none is superfluous.
+/// leads to. The solver then checks that the records, defaults and laws cited suffice, and takes
+/// away what is superfluous; the proof is then made anew from what is left.
 class Explainer
 {
 public:
@@ -27,6 +28,7 @@ public:
     , words_(words)
     , instances_(instances)
     , records_(records)
+    , laws_(description)
     , current_step_(current_step)
     , limit_(limit)
     , check_(check)
@@ -44,25 +46,25 @@ private:
   struct Argument
   {
     Reason root;
-    std::set<std::size_t> records;
-    std::set<std::string> defaults;
+    Cited cited;
   };
-  using Kept = std::vector<bool>;
 
-  [[nodiscard]] std::optional<Argument> argue(const Kept& kept, const Literal& literal, int step);
-  [[nodiscard]] std::optional<Argument> argueIn(const Kept& kept, const InitialWorld& world,
+  [[nodiscard]] std::optional<Argument> argue(const Cited& kept, const Literal& literal, int step);
+  [[nodiscard]] std::optional<Argument> argueIn(const Cited& kept, const InitialWorld& world,
                                                 const Literal& literal, int step);
-  [[nodiscard]] std::optional<Argument> necessity(const Kept& kept, const InitialWorld& world,
+  [[nodiscard]] std::optional<Argument> necessity(const Cited& kept, const InitialWorld& world,
                                                   std::size_t assumption, const Atom& fluent);
-  [[nodiscard]] Argument together(const Kept& kept, const Literal& literal, int step);
-  void complete(Argument& argument, const Kept& kept, const Literal& literal, int step);
-  [[nodiscard]] Kept only(const std::set<std::size_t>& records) const;
-  [[nodiscard]] Reason recordLeaf(std::size_t record) const;
+  [[nodiscard]] Argument together(const Cited& kept, const Literal& literal, int step);
+  void complete(Argument& argument, const Cited& kept, const Literal& literal, int step);
+  [[nodiscard]] Cited withoutSuperfluous(const Cited& cited, const Literal& literal, int step);
+  [[nodiscard]] static std::vector<std::string> sentencesOf(const Reason& reason);
+  [[nodiscard]] Reason leafOf(const CitedItem& item) const;
 
   const Description& description_;
   const Words& words_;
   const Instances& instances_;
   const std::vector<CheckedRecord>& records_;
+  const Laws laws_;
   int current_step_;
   const SearchLimit& limit_;
   HistoryCheck* check_;

@@ -146,6 +146,7 @@ std::vector<int> HistoryTheory::closure(const Evidence& evidence,
           ClauseOrigin origin;
           origin.kind = ReasonKind::kConstraint;
           origin.position = rule.position;
+          origin.law = rule.law;
           grown = add(*rule.head, addOrigin(std::move(origin)), *body) || grown;
         }
       }

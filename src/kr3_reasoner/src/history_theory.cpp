@@ -8,15 +8,17 @@ namespace kr3::reasoner
 
 HistoryTheory::HistoryTheory(const Description& description, const Words& words,
                              const Instances& instances, const std::vector<CheckedRecord>& records,
-                             const std::vector<bool>& kept, const InitialWorld& world,
+                             const Laws& laws, const Cited& kept, const InitialWorld& world,
                              int current_step, const Atom& fluent, bool wide,
                              const SearchLimit& limit)
   : description_(description)
   , words_(words)
   , records_(records)
+  , laws_(laws)
+  , kept_(kept)
   , world_(world)
   , current_step_(current_step)
-  , rules_(description, words, instances, records, kept, world, fluent, wide, limit)
+  , rules_(description, words, instances, records, laws, kept, world, fluent, wide, limit)
   , propagation_(limit)
 {
   for (const Atom& atom : rules_.fluents())
@@ -78,6 +80,13 @@ int HistoryTheory::variable(std::size_t fluent, int step) const
 bool HistoryTheory::changes(std::size_t fluent, int step) const
 {
   return variables_[fluent].count(step) > 0;
+}
+
+std::size_t HistoryTheory::definitionOf(std::size_t fluent) const
+{
+  const std::string& name = rules_.fluents()[fluent].name;
+  return description_.findFluent(name)->kind == FluentKind::kDefined ? laws_.ofDefinition(name)
+                                                                     : kNoLaw;
 }
 
 FiniteLiteral HistoryTheory::at(const Literal& open, int step) const
@@ -156,6 +165,13 @@ void HistoryTheory::findChanges()
       }
     }
   }
+  for (std::size_t fluent = 0; fluent < values_.size(); ++fluent)
+  {
+    for (int step = 1; step <= current_step_ && !kept_.hasLaw(definitionOf(fluent)); ++step)
+    {
+      changed[step].insert(fluent);  // nothing ties it to anything
+    }
+  }
   variables_.resize(values_.size());
   const auto add = [&](std::size_t fluent, int step) {
     variables_[fluent][step] = propagation_.addVariable(static_cast<int>(values_[fluent].size()));
@@ -216,7 +232,7 @@ void HistoryTheory::addTransitions()
       if (touched)
       {
         supports[*fluentIndex(rule.head->atom)].push_back(
-            {rule.head->value.name, at(rule.body, step), ""});
+            {rule.head->value.name, at(rule.body, step), "", rule.law});
       }
     }
     for (std::size_t fluent = 0; fluent < values_.size(); ++fluent)
@@ -239,6 +255,7 @@ void HistoryTheory::addRule(const GroundRule& rule, int step)
           : ReasonKind::kConstraint;
   origin.step = step;
   origin.position = rule.position;
+  origin.law = rule.law;
   addImplication(at(rule.body, step),
                  rule.head ? std::make_optional(at(*rule.head, step)) : std::nullopt,
                  addOrigin(std::move(origin)));
@@ -281,6 +298,7 @@ void HistoryTheory::addLaw(const GroundLaw& law, Supports& supports)
   origin.kind = ReasonKind::kCaused;
   origin.step = step;
   origin.position = law.position;
+  origin.law = law.law;
   origin.action = toString(occurrence.action);
   const int caused = addOrigin(origin);
   origin.silent = true;
@@ -301,7 +319,7 @@ void HistoryTheory::addLaw(const GroundLaw& law, Supports& supports)
         {
           const std::string& value = effect.options[0].value;
           addImplication(body, at({effect.fluent, {false, value}, true}, step), caused);
-          supports[*fluent].push_back({value, body, origin.action});
+          supports[*fluent].push_back({value, body, origin.action, law.law});
         }
       }
     }
@@ -336,6 +354,7 @@ void HistoryTheory::addEffects(const GroundLaw& law, const FiniteLiteral& applie
   origin.kind = ReasonKind::kCaused;
   origin.step = step;
   origin.position = law.position;
+  origin.law = law.law;
   origin.action = toString(rules_.occurrences()[law.occurrence].action);
   const int caused = addOrigin(origin);
   origin.silent = true;
@@ -376,7 +395,7 @@ void HistoryTheory::addEffects(const GroundLaw& law, const FiniteLiteral& applie
           addImplication({picked}, condition, silent);
         }
         addImplication({picked}, at({effect.fluent, {false, option.value}, true}, step), caused);
-        supports[*fluent].push_back({option.value, {picked}, origin.action});
+        supports[*fluent].push_back({option.value, {picked}, origin.action, law.law});
       }
       if (effect.options.size() != 1)
       {
@@ -402,11 +421,13 @@ void HistoryTheory::addFrame(std::size_t fluent, int step, const std::vector<Sup
   origin.earlier_variable = before;
   const int frame = addOrigin(origin);
   origin.silent = true;
-  const int silent = addOrigin(origin);
   std::map<std::string, Body> by_value;
   for (const Support& support : supports)
   {
-    by_value[support.value].push_back(conjunction(support.body, support.action, silent));
+    ClauseOrigin supported = origin;
+    supported.law = support.law;  // only this law can have brought about the change
+    by_value[support.value].push_back(
+        conjunction(support.body, support.action, addOrigin(std::move(supported))));
   }
   for (std::size_t i = 0; i < values_[fluent].size(); ++i)
   {
@@ -444,7 +465,8 @@ void HistoryTheory::addDefinitions()
   }
   for (std::size_t fluent = 0; fluent < values_.size(); ++fluent)
   {
-    if (description_.findFluent(rules_.fluents()[fluent].name)->kind != FluentKind::kDefined)
+    if (description_.findFluent(rules_.fluents()[fluent].name)->kind != FluentKind::kDefined ||
+        !kept_.hasLaw(definitionOf(fluent)))
     {
       continue;
     }
@@ -453,6 +475,7 @@ void HistoryTheory::addDefinitions()
       ClauseOrigin origin;
       origin.kind = ReasonKind::kDefinition;
       origin.step = step;
+      origin.law = definitionOf(fluent);
       if (!definitions[fluent].empty())
       {
         origin.position = definitions[fluent].front()->position;
@@ -488,6 +511,7 @@ void HistoryTheory::addBans()
     origin.kind = ReasonKind::kExecutability;
     origin.step = step;
     origin.position = ban.position;
+    origin.law = ban.law;
     Body body;
     std::vector<std::string> actions;
     for (const std::size_t i : ban.occurrences)

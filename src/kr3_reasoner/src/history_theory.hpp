@@ -18,6 +18,7 @@ struct ClauseOrigin
   ReasonKind kind = ReasonKind::kTogether;
   int step = 0;
   SourcePosition position;
+  std::size_t law = kNoLaw;
   std::size_t record = kNoRecord;
   std::string default_name;
   std::string action;
@@ -55,7 +56,7 @@ class HistoryTheory
 {
 public:
   HistoryTheory(const Description& description, const Words& words, const Instances& instances,
-                const std::vector<CheckedRecord>& records, const std::vector<bool>& kept,
+                const std::vector<CheckedRecord>& records, const Laws& laws, const Cited& kept,
                 const InitialWorld& world, int current_step, const Atom& fluent, bool wide,
                 const SearchLimit& limit);
 
@@ -91,6 +92,7 @@ private:
     std::string value;
     Body body;
     std::string action;
+    std::size_t law;
   };
   /// What may give each fluent a value at a step.
   using Supports = std::map<std::size_t, std::vector<Support>>;
@@ -106,6 +108,8 @@ private:
 
   [[nodiscard]] std::optional<std::size_t> fluentIndex(const Atom& atom) const;
   [[nodiscard]] int variable(std::size_t fluent, int step) const;
+  /// The law that defines a fluent, or kNoLaw.
+  [[nodiscard]] std::size_t definitionOf(std::size_t fluent) const;
   [[nodiscard]] bool changes(std::size_t fluent, int step) const;
   [[nodiscard]] FiniteLiteral at(const Literal& literal, int step) const;
   [[nodiscard]] Body at(const std::vector<Literal>& literals, int step) const;
@@ -121,6 +125,8 @@ private:
   const Description& description_;
   const Words& words_;
   const std::vector<CheckedRecord>& records_;
+  const Laws& laws_;
+  const Cited& kept_;
   const InitialWorld& world_;
   int current_step_;
   RelevantRules rules_;

@@ -343,6 +343,10 @@ Leaves ProofWriter::leaves(int number) const
     {
       leaves.records.insert(origin.record);
     }
+    if (origin.law != kNoLaw)
+    {
+      leaves.laws.insert(origin.law);
+    }
     if (!origin.default_name.empty())
     {
       leaves.defaults.insert(origin.default_name);

@@ -15,6 +15,7 @@ struct Leaves
   std::set<std::size_t> records;
   std::set<std::string> defaults;  ///< ground
   std::set<std::size_t> assumed;   ///< indices into the world's assumptions
+  std::set<std::size_t> laws;
 };
 
 /// Turns inferences into proof trees with sentences. Private to the package.

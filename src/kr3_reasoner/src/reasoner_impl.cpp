@@ -138,8 +138,7 @@ Explanation Reasoner::Impl::explain(const Literal& literal, int step)
   }
   if (!check_)
   {
-    check_ = std::make_unique<HistoryCheck>(description(), program(), records_, currentStep(),
-                                            options().diagnose_exogenous);
+    check_ = std::make_unique<HistoryCheck>(description(), program(), records_, currentStep());
   }
   const Words here = words();
   try

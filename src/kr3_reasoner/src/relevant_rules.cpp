@@ -39,11 +39,17 @@ std::optional<Binding> about(const Literal& literal, const Atom& fluent, const B
 
 RelevantRules::RelevantRules(const Description& description, const Words& words,
                              const Instances& instances, const std::vector<CheckedRecord>& records,
-                             const std::vector<bool>& kept, const InitialWorld& world,
+                             const Laws& laws, const Cited& kept, const InitialWorld& world,
                              const Atom& fluent, bool wide, const SearchLimit& limit)
-  : description_(description), words_(words), instances_(instances), records_(records), wide_(wide)
+  : description_(description)
+  , words_(words)
+  , instances_(instances)
+  , records_(records)
+  , statements_(laws)
+  , kept_(kept)
+  , wide_(wide)
 {
-  findOccurrences(kept, world);
+  findOccurrences(world);
   findLaws();
   want(fluent);
   for (std::size_t next = 0; next < fluents_.size(); ++next)
@@ -59,11 +65,11 @@ bool RelevantRules::isRelevant(const Atom& fluent) const
   return wanted_.count(toString(fluent)) > 0;
 }
 
-void RelevantRules::findOccurrences(const std::vector<bool>& kept, const InitialWorld& world)
+void RelevantRules::findOccurrences(const InitialWorld& world)
 {
   for (std::size_t i = 0; i < records_.size(); ++i)
   {
-    if (kept[i] && records_[i].isAction())
+    if (records_[i].isAction() && kept_.records.count(i) > 0)
     {
       const Atom& action = records_[i].action;
       occurrences_.push_back({action, records_[i].record.step, i, std::nullopt, false,
@@ -99,10 +105,12 @@ void RelevantRules::findLaws()
 {
   for (std::size_t i = 0; i < occurrences_.size(); ++i)
   {
-    for (const CausalLaw& law : description_.causal_laws)
+    for (std::size_t number = 0; number < description_.causal_laws.size(); ++number)
     {
+      const CausalLaw& law = description_.causal_laws[number];
       Binding start;
-      if (!unify(law.action, occurrences_[i].action, start))
+      if (!kept_.hasLaw(statements_.ofCausalLaw(number)) ||
+          !unify(law.action, occurrences_[i].action, start))
       {
         continue;
       }
@@ -127,7 +135,9 @@ void RelevantRules::findLaws()
         parts.literals.push_back(&effect);
       }
       const std::size_t first = laws_.size();
-      instances_.forEach(parts, start, [&](const Binding& binding) { addLaw(i, law, binding); });
+      instances_.forEach(parts, start, [&](const Binding& binding) {
+        addLaw(i, law, statements_.ofCausalLaw(number), binding);
+      });
       // instances that differ in their conditions only are one law that applies if one of them
       // holds
       std::map<std::string, std::size_t> by_effects;
@@ -163,11 +173,13 @@ void RelevantRules::findLaws()
   }
 }
 
-void RelevantRules::addLaw(std::size_t occurrence, const CausalLaw& law, const Binding& binding)
+void RelevantRules::addLaw(std::size_t occurrence, const CausalLaw& law, std::size_t number,
+                           const Binding& binding)
 {
   GroundLaw ground;
   ground.occurrence = occurrence;
   ground.position = law.position;
+  ground.law = number;
   ground.bodies.push_back(instances_.literals(law.body, binding));
   for (const Outcome& outcome : law.outcomes)
   {
@@ -227,13 +239,19 @@ void RelevantRules::want(const std::vector<Literal>& literals)
 
 void RelevantRules::expand(const Atom& fluent)
 {
-  for (const StateConstraint& constraint : description_.constraints)
+  for (std::size_t i = 0; i < description_.constraints.size(); ++i)
   {
-    expandConstraint(constraint, fluent);
+    if (kept_.hasLaw(statements_.ofConstraint(i)))
+    {
+      expandConstraint(description_.constraints[i], statements_.ofConstraint(i), fluent);
+    }
   }
-  for (const Executability& rule : description_.executabilities)
+  for (std::size_t i = 0; i < description_.executabilities.size(); ++i)
   {
-    expandBans(rule, fluent);
+    if (kept_.hasLaw(statements_.ofExecutability(i)))
+    {
+      expandBans(description_.executabilities[i], statements_.ofExecutability(i), fluent);
+    }
   }
   for (const Default& rule : description_.defaults)
   {
@@ -295,7 +313,8 @@ void RelevantRules::addRule(GroundRule rule)
   }
 }
 
-void RelevantRules::expandConstraint(const StateConstraint& constraint, const Atom& fluent)
+void RelevantRules::expandConstraint(const StateConstraint& constraint, std::size_t law,
+                                     const Atom& fluent)
 {
   if (constraint.head && instances_.isStatic(*constraint.head))
   {
@@ -314,6 +333,7 @@ void RelevantRules::expandConstraint(const StateConstraint& constraint, const At
     }
     rule.body = instances_.literals(constraint.body, binding);
     rule.position = constraint.position;
+    rule.law = law;
     addRule(std::move(rule));
   };
   if (constraint.head)
@@ -340,21 +360,21 @@ void RelevantRules::expandConstraint(const StateConstraint& constraint, const At
   }
 }
 
-void RelevantRules::expandBans(const Executability& rule, const Atom& fluent)
+void RelevantRules::expandBans(const Executability& rule, std::size_t law, const Atom& fluent)
 {
   for (const Condition& condition : rule.body)
   {
     const auto* literal = std::get_if<Literal>(&condition);
     if (literal != nullptr && !instances_.isStatic(*literal) && about(*literal, fluent))
     {
-      addBans(rule, *literal, fluent, {});
+      addBans(rule, law, *literal, fluent, {});
     }
   }
 }
 
 /// Extends a choice of one occurrence for each action of the rule; all at the same step.
-void RelevantRules::addBans(const Executability& rule, const Literal& literal, const Atom& fluent,
-                            const std::vector<std::size_t>& happened)
+void RelevantRules::addBans(const Executability& rule, std::size_t law, const Literal& literal,
+                            const Atom& fluent, const std::vector<std::size_t>& happened)
 {
   if (happened.size() < rule.actions.size())
   {
@@ -364,7 +384,7 @@ void RelevantRules::addBans(const Executability& rule, const Literal& literal, c
       {
         std::vector<std::size_t> longer = happened;
         longer.push_back(i);
-        addBans(rule, literal, fluent, longer);
+        addBans(rule, law, literal, fluent, longer);
       }
     }
     return;
@@ -398,7 +418,7 @@ void RelevantRules::addBans(const Executability& rule, const Literal& literal, c
     return;
   }
   instances_.forEach(parts, *binding, [&](const Binding& whole) {
-    GroundBan ban{happened, instances_.literals(rule.body, whole), rule.position};
+    GroundBan ban{happened, instances_.literals(rule.body, whole), rule.position, law};
     std::string key = keyOf(ban.position) + keyOf(ban.body);
     for (const std::size_t i : happened)
     {
@@ -423,7 +443,8 @@ void RelevantRules::expandDefault(const Default& rule, const Atom& fluent)
     GroundDefault instance{&rule, toString(bound(rule.name, binding)),
                            normalized(bound(rule.head, binding), description_),
                            instances_.literals(rule.body, binding)};
-    if (seen_.insert("d" + instance.name + keyOf(instance.body) + toString(instance.head)).second)
+    if (kept_.hasDefault(instance.name) &&
+        seen_.insert("d" + instance.name + keyOf(instance.body) + toString(instance.head)).second)
     {
       want(instance.body);
       defaults_.push_back(std::move(instance));

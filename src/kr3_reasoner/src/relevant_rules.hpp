@@ -10,6 +10,7 @@
 
 #include "entailment_check.hpp"
 #include "instances.hpp"
+#include "laws.hpp"
 #include "words.hpp"
 
 namespace kr3::reasoner
@@ -21,6 +22,7 @@ struct GroundRule
   std::optional<Literal> head;
   std::vector<Literal> body;
   SourcePosition position;
+  std::size_t law = kNoLaw;
 };
 
 /// An action that happened: by a record, or assumed.
@@ -54,6 +56,7 @@ struct GroundLaw
   std::vector<std::vector<GroundEffect>> outcomes;
   std::vector<std::vector<Literal>> bodies;  ///< it applies if one of them holds
   SourcePosition position;
+  std::size_t law = kNoLaw;
 };
 
 /// An executability condition that actions that happened together have met.
@@ -62,6 +65,7 @@ struct GroundBan
   std::vector<std::size_t> occurrences;
   std::vector<Literal> body;
   SourcePosition position;
+  std::size_t law = kNoLaw;
 };
 
 /// The ground part of a description that can matter to a literal, given which actions happened.
@@ -70,10 +74,10 @@ class RelevantRules
 {
 public:
   /// @param world  with the actions that are assumed to have happened or failed
-  /// @param kept   the records that are there
+  /// @param kept   the records, defaults and laws that are there
   /// @param wide   follow constraints from bodies to heads, too: all that is connected
   RelevantRules(const Description& description, const Words& words, const Instances& instances,
-                const std::vector<CheckedRecord>& records, const std::vector<bool>& kept,
+                const std::vector<CheckedRecord>& records, const Laws& laws, const Cited& kept,
                 const InitialWorld& world, const Atom& fluent, bool wide, const SearchLimit& limit);
 
   [[nodiscard]] const std::vector<Atom>& fluents() const { return fluents_; }
@@ -85,15 +89,16 @@ public:
   [[nodiscard]] const std::vector<GroundDefault>& defaults() const { return defaults_; }
 
 private:
-  void findOccurrences(const std::vector<bool>& kept, const InitialWorld& world);
+  void findOccurrences(const InitialWorld& world);
   void findLaws();
-  void addLaw(std::size_t occurrence, const CausalLaw& law, const Binding& binding);
+  void addLaw(std::size_t occurrence, const CausalLaw& law, std::size_t number,
+              const Binding& binding);
   void want(const Atom& fluent);
   void want(const std::vector<Literal>& literals);
   void expand(const Atom& fluent);
-  void expandConstraint(const StateConstraint& constraint, const Atom& fluent);
-  void expandBans(const Executability& rule, const Atom& fluent);
-  void addBans(const Executability& rule, const Literal& about, const Atom& fluent,
+  void expandConstraint(const StateConstraint& constraint, std::size_t law, const Atom& fluent);
+  void expandBans(const Executability& rule, std::size_t law, const Atom& fluent);
+  void addBans(const Executability& rule, std::size_t law, const Literal& about, const Atom& fluent,
                const std::vector<std::size_t>& happened);
   void expandDefault(const Default& rule, const Atom& fluent);
   void addRule(GroundRule rule);
@@ -102,6 +107,8 @@ private:
   const Words& words_;
   const Instances& instances_;
   const std::vector<CheckedRecord>& records_;
+  const Laws& statements_;
+  const Cited& kept_;
   bool wide_;
   std::vector<Atom> fluents_;
   std::set<std::string> wanted_;

@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <functional>
 #include <map>
+#include <variant>
 
 #include <gtest/gtest.h>
 
@@ -102,18 +103,111 @@ Description withDefaults(Description description, const std::vector<std::string>
   return description;
 }
 
-bool entailedBy(const Description& description, const Reasoner& whole, ReasonerOptions options,
-                const std::vector<std::size_t>& records, const std::string& literal, int step)
+bool isAt(const SourcePosition& position, const std::vector<CitedLaw>& laws)
+{
+  return std::any_of(laws.begin(), laws.end(), [&](const CitedLaw& law) {
+    return std::any_of(law.positions.begin(), law.positions.end(),
+                       [&](const SourcePosition& other) {
+      return other.file == position.file && other.line == position.line &&
+             other.column == position.column;
+    });
+  });
+}
+
+template <typename Rule>
+void keepOnly(const std::vector<CitedLaw>& laws, const std::function<bool(const Rule&)>& always,
+              std::vector<Rule>& rules)
+{
+  rules.erase(
+      std::remove_if(rules.begin(), rules.end(),
+                     [&](const Rule& rule) { return !always(rule) && !isAt(rule.position, laws); }),
+      rules.end());
+}
+
+/// The description with these laws only. Defined fluents that lose their definition may have any
+/// value; rules for statics and conditions on several actions stay.
+Description withLaws(Description description, const std::vector<CitedLaw>& laws)
+{
+  for (const FluentDeclaration& fluent : description.fluents)
+  {
+    const bool is_cited = std::any_of(laws.begin(), laws.end(), [&](const CitedLaw& law) {
+      return law.kind == LawKind::kDefinition && law.about == fluent.name;
+    });
+    const bool has_rules =
+        std::any_of(description.constraints.begin(), description.constraints.end(),
+                    [&](const StateConstraint& rule) {
+      return rule.head && rule.head->atom.name == fluent.name;
+        });
+    if (fluent.kind != FluentKind::kDefined || is_cited || !has_rules)
+    {
+      continue;
+    }
+    std::string atom = fluent.name;
+    std::string sorts;
+    for (std::size_t i = 0; i < fluent.argument_sorts.size(); ++i)
+    {
+      const std::string variable = "X" + std::to_string(i);
+      atom += (i == 0 ? "(" : ",") + variable;
+      sorts += (i == 0 ? " :- sort(" : ", sort(") + fluent.argument_sorts[i] + "," + variable + ")";
+    }
+    atom += fluent.argument_sorts.empty() ? "" : ")";
+    AspBlock block;
+    block.part = AspPart::kState;
+    block.text = "{ h(" + atom + ",true,t) }" + sorts + ".";
+    description.asp_blocks.push_back(block);
+  }
+  keepOnly<CausalLaw>(
+      laws, [](const CausalLaw&) { return false; }, description.causal_laws);
+  keepOnly<StateConstraint>(
+      laws,
+      [&](const StateConstraint& rule) {
+    return rule.head && description.findFluent(rule.head->atom.name)->kind == FluentKind::kStatic;
+      },
+      description.constraints);
+  keepOnly<Executability>(
+      laws,
+      [](const Executability& rule) {
+    return rule.actions.size() > 1 || std::holds_alternative<Term>(rule.actions.front());
+      },
+      description.executabilities);
+  return description;
+}
+
+/// What an explanation cites.
+struct Citation
+{
+  std::vector<std::size_t> records;
+  std::vector<std::string> defaults;
+  std::vector<CitedLaw> laws;
+};
+
+/// Whether what is cited entails the literal, with everything else taken away.
+bool entailedBy(const Citation& cited, const Reasoner& whole, ReasonerOptions options,
+                const std::string& literal, int step)
 {
   options.least_step = whole.currentStep();
-  Reasoner reasoner(description, options);
+  Reasoner reasoner(withLaws(withDefaults(whole.description(), cited.defaults), cited.laws),
+                    options);
   std::vector<Record> kept;
-  for (const std::size_t record : records)
+  for (const std::size_t record : cited.records)
   {
     kept.push_back(whole.history()[record]);
   }
   reasoner.setHistory(std::move(kept));
   return reasoner.diagnose().consistent && reasoner.entails(literal, step) == Answer::kTrue;
+}
+
+/// Each citation that lacks one of the items of a kind.
+template <typename Item>
+std::vector<Citation> withoutOne(const Citation& cited, std::vector<Item> Citation::*items)
+{
+  std::vector<Citation> lacking;
+  for (std::size_t i = 0; i < (cited.*items).size(); ++i)
+  {
+    lacking.push_back(cited);
+    (lacking.back().*items).erase((lacking.back().*items).begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  return lacking;
 }
 
 /// Every leaf of a proof is cited, and every record cited is in the proof.
@@ -129,6 +223,19 @@ void collectRecords(const Reason& reason, std::set<std::size_t>& records)
   }
 }
 
+std::vector<std::string> placesOf(const std::vector<CitedLaw>& laws)
+{
+  std::vector<std::string> places;
+  for (const CitedLaw& law : laws)
+  {
+    for (const SourcePosition& position : law.positions)
+    {
+      places.push_back(law.about + " " + position.file + ":" + std::to_string(position.line));
+    }
+  }
+  return places;
+}
+
 bool isFallback(const Reason& reason)
 {
   return reason.kind == ReasonKind::kTogether;
@@ -140,24 +247,25 @@ void expectMinimalAndSufficient(const Reasoner& reasoner, const ReasonerOptions&
   const Explanation explanation = reasoner.explain(literal, step);
   const std::string message =
       note + "\n" + literal + " at " + std::to_string(step) + "\n" + joined(explanation.reasons) +
-      "records:\n" + joined(explanation.records) + "defaults:\n" + joined(explanation.defaults);
+      "records:\n" + joined(explanation.records) + "defaults:\n" + joined(explanation.defaults) +
+      "laws:\n" + joined(placesOf(explanation.laws));
   ASSERT_TRUE(explanation.entailed) << message;
-  const std::vector<std::size_t>& cited = explanation.record_indices;
-  EXPECT_TRUE(entailedBy(reasoner.description(), reasoner, options, cited, literal, step))
-      << "not sufficient: " << message;
-  const Description mentioned = withDefaults(reasoner.description(), explanation.defaults);
-  for (const std::size_t record : cited)
-  {
-    std::vector<std::size_t> fewer;
-    std::copy_if(cited.begin(), cited.end(), std::back_inserter(fewer),
-                 [&](std::size_t other) { return other != record; });
-    EXPECT_FALSE(entailedBy(mentioned, reasoner, options, fewer, literal, step))
-        << "superfluous: " << toString(reasoner.history()[record]) << "\n"
-        << message;
-  }
+  const Citation cited = {explanation.record_indices, explanation.defaults, explanation.laws};
+  EXPECT_TRUE(entailedBy(cited, reasoner, options, literal, step)) << "not sufficient: " << message;
+  const auto expectNeeded = [&](const std::vector<Citation>& lacking, const std::string& what) {
+    for (std::size_t i = 0; i < lacking.size(); ++i)
+    {
+      EXPECT_FALSE(entailedBy(lacking[i], reasoner, options, literal, step))
+          << "superfluous: " << what << " " << i << "\n"
+          << message;
+    }
+  };
+  expectNeeded(withoutOne(cited, &Citation::records), "record");
+  expectNeeded(withoutOne(cited, &Citation::defaults), "default");
+  expectNeeded(withoutOne(cited, &Citation::laws), "law");
   std::set<std::size_t> in_proof;
   collectRecords(explanation.proof, in_proof);
-  EXPECT_EQ(in_proof, std::set<std::size_t>(cited.begin(), cited.end())) << message;
+  EXPECT_EQ(in_proof, std::set<std::size_t>(cited.records.begin(), cited.records.end())) << message;
 }
 
 /// Checks some of the entailed literals, spread over steps and fluents.

@@ -57,13 +57,29 @@ struct Reason
   std::vector<Reason> children;
 };
 
+enum class LawKind : std::uint8_t
+{
+  kCausal = 0,
+  kConstraint = 1,
+  kDefinition = 2,     ///< all the rules of a defined fluent
+  kExecutability = 3,  ///< of one action
+};
+
+/// A law of the description that an explanation rests on.
+struct CitedLaw
+{
+  LawKind kind = LawKind::kCausal;
+  std::string about;  ///< the action, or the fluent of the head; empty for `false if ...`
+  std::vector<SourcePosition> positions;  ///< of its rules: several for a definition
+};
+
 /// Why a literal is entailed (DESIGN.md 3.2 point 10).
 ///
-/// *Sufficient*: the records cited, alone, entail the literal. *Minimal*: in
-/// the description with those defaults only that the explanation mentions, the
-/// literal is no longer entailed when one of the records cited is taken away.
-/// *Faithful*: every node of the proof holds in every model of the whole
-/// history (of its case, below kCases), so that what was observed is never
+/// What is cited are records, ground defaults and laws. *Sufficient*: the history of these records
+/// under the description with these defaults and laws only entails the literal. *Minimal*: without
+/// one of them it does not. Sorts, statics, inertia, preferences and conditions on several actions
+/// at once always stay, and a defined fluent whose definition is left out may be true or false.
+/// What keeps something else from interfering is therefore not cited, and what was observed is not
 /// explained by a default that would have said the same.
 struct Explanation
 {
@@ -71,7 +87,8 @@ struct Explanation
   std::vector<std::string> reasons;  ///< in words, from the literal itself down to what it rests on
   std::vector<std::string> records;  ///< the records it rests on
   std::vector<std::size_t> record_indices;  ///< the same, as indices into the history
-  std::vector<std::string> defaults;        ///< ground defaults that are mentioned, "d1(tb1)"
+  std::vector<std::string> defaults;        ///< ground defaults it rests on, "d1(tb1)"
+  std::vector<CitedLaw> laws;               ///< it rests on
   Reason proof;                             ///< meaningful when entailed
 };
 
