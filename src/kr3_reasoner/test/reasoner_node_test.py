@@ -152,6 +152,7 @@ class ReasonerNodeTest(unittest.TestCase):
         unknown = explain("shows(d) = 2", 0)
         self.assertEqual((unknown.entailed, unknown.open), (False, True))
         self.assertEqual(unknown.values, ["1", "2", "3"])
+        self.assertIn("obs(shows(d) = 2, true, 0)", unknown.deciding)
         values = service("reasoner/get_possible_values", GetPossibleValues)
         self.assertEqual(values("shows(d)", 0).values, ["1", "2", "3"])
         self.assertEqual(values("shows(e)", 0).status.code, Status.INVALID_ARGUMENT)

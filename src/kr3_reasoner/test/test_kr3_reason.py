@@ -86,7 +86,15 @@ def test_what_if_questions_assume_more_records(history):
 def test_explain_cites_records_with_their_lines(history):
     reply = answer("explain", LAMPS, "--history", history, "--literal", "-on(right)")
     assert reply["answer"] == "true" and reply["reasons"]
-    assert reply["records"] == [{"record": "init(on(right), false)", "file": history, "line": 2}]
+    assert reply["records"] == [
+        {"record": "init(on(right), false)", "file": history, "line": 2, "index": 1}
+    ]
+    assert reply["defaults"] == [] and reply["laws"] == []
+    leaves = [reply["proof"]]
+    while leaves[0]["children"]:
+        leaves = leaves[0]["children"]
+    assert [leaf["record"] for leaf in leaves] == [1]
+    assert leaves[0]["kind"] == "observed" and leaves[0]["source"]["line"] == 2
 
 
 def test_models_are_listed_up_to_a_limit(history):

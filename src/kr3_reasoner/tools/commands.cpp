@@ -244,16 +244,132 @@ Reply entails(const Arguments& arguments)
           answer == Answer::kTrue};
 }
 
+namespace
+{
+
+const char* nameOf(ReasonKind kind)
+{
+  switch (kind)
+  {
+    case ReasonKind::kObserved:
+      return "observed";
+    case ReasonKind::kHappened:
+      return "happened";
+    case ReasonKind::kCaused:
+      return "caused";
+    case ReasonKind::kInertia:
+      return "inertia";
+    case ReasonKind::kConstraint:
+      return "constraint";
+    case ReasonKind::kDefinition:
+      return "definition";
+    case ReasonKind::kExecutability:
+      return "executability";
+    case ReasonKind::kOnlyValue:
+      return "only_value";
+    case ReasonKind::kStatic:
+      return "static";
+    case ReasonKind::kDefault:
+      return "default";
+    case ReasonKind::kException:
+      return "exception";
+    case ReasonKind::kAssumed:
+      return "assumed";
+    case ReasonKind::kChange:
+      return "change";
+    case ReasonKind::kContradiction:
+      return "contradiction";
+    case ReasonKind::kSupposed:
+      return "supposed";
+    case ReasonKind::kCases:
+      return "cases";
+    case ReasonKind::kTogether:
+      return "together";
+    case ReasonKind::kAgain:
+      return "again";
+    case ReasonKind::kCarried:
+      return "carried";
+  }
+  return "together";
+}
+
+const char* nameOf(LawKind kind)
+{
+  return kind == LawKind::kCausal       ? "causal law"
+         : kind == LawKind::kConstraint ? "state constraint"
+         : kind == LawKind::kDefinition ? "definition"
+                                        : "executability condition";
+}
+
+Json positionJson(const SourcePosition& position)
+{
+  if (position.line == 0)
+  {
+    return nullptr;
+  }
+  return {{"file", position.file}, {"line", position.line}};
+}
+
+Json proofJson(const Reason& reason)
+{
+  Json json = {{"kind", nameOf(reason.kind)},
+               {"statement", reason.statement},
+               {"step", reason.step},
+               {"sentence", reason.sentence},
+               {"record", nullptr},
+               {"default", nullptr},
+               {"source", positionJson(reason.position)},
+               {"children", Json::array()}};
+  if (reason.record != kNoRecord)
+  {
+    json["record"] = reason.record;
+  }
+  if (!reason.default_name.empty())
+  {
+    json["default"] = reason.default_name;
+  }
+  for (const Reason& child : reason.children)
+  {
+    json["children"].push_back(proofJson(child));
+  }
+  return json;
+}
+
+Json lawsJson(const std::vector<CitedLaw>& laws)
+{
+  Json list = Json::array();
+  for (const CitedLaw& law : laws)
+  {
+    Json sources = Json::array();
+    for (const SourcePosition& position : law.positions)
+    {
+      sources.push_back(positionJson(position));
+    }
+    list.push_back({{"kind", nameOf(law.kind)}, {"about", law.about}, {"sources", sources}});
+  }
+  return list;
+}
+
+}  // namespace
+
 Reply explain(const Arguments& arguments)
 {
   const Reasoner reasoner = reasonerFor(arguments);
   const int step = stepFor(arguments, reasoner);
   const Explanation explanation = reasoner.explain(arguments.literal, step);
+  Json records = recordsJson(explanation.records, reasoner);
+  for (std::size_t i = 0; i < records.size(); ++i)
+  {
+    records[i]["index"] = explanation.record_indices[i];
+  }
   return {{{"literal", arguments.literal},
            {"step", step},
            {"answer", textOf(reasoner.entails(arguments.literal, step))},
            {"reasons", explanation.reasons},
-           {"records", recordsJson(explanation.records, reasoner)}},
+           {"records", std::move(records)},
+           {"defaults", explanation.defaults},
+           {"laws", lawsJson(explanation.laws)},
+           {"proof", explanation.entailed ? proofJson(explanation.proof) : Json(nullptr)}},
           explanation.entailed};
 }
 

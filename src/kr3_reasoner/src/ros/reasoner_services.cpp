@@ -229,11 +229,19 @@ void ReasonerNode::explain(const kr3_msgs::ExplainLiteral::Request& request,
   }
   else if (reasoner_.possible(literal, step))
   {
+    const OpenQuestion question = reasoner_.whyUnknown(literal, step);
     response.open = static_cast<std::uint8_t>(true);
-    const Literal parsed = parseGroundLiteral(literal, reasoner_.description());
-    if (reasoner_.description().findFluent(parsed.atom.name)->kind != FluentKind::kStatic)
+    response.reasons = question.reasons;
+    response.values = question.values;
+    for (const std::string& fluent : question.deciding)
     {
-      response.values = reasoner_.possibleValues(toString(parsed.atom), step);
+      for (const std::string& value : reasoner_.possibleValues(fluent, reasoner_.currentStep()))
+      {
+        Record observation;
+        observation.statement = fluent + " = " + value;
+        observation.step = reasoner_.currentStep();
+        response.deciding.push_back(toString(observation));
+      }
     }
   }
 }
