@@ -141,11 +141,11 @@ std::optional<Explainer::Argument> Explainer::argue(const Cited& kept, const Lit
   return cases;
 }
 
-/// The last resort: what is left when all is taken away that can be.
+/// The last resort, without a proof. @param kept  without anything superfluous
 Explainer::Argument Explainer::together(const Cited& kept, const Literal& literal, int step)
 {
   Argument argument;
-  argument.cited = withoutSuperfluous(kept, literal, step);
+  argument.cited = kept;
   argument.root.statement = toString(literal);
   argument.root.step = step;
   argument.root.sentence = argument.root.statement + " at step " + std::to_string(step) +
@@ -208,6 +208,12 @@ Explanation Explainer::explain(const Literal& literal, int step)
   for (;;)
   {
     auto found = argue(kept, literal, step);
+    if (!found)
+    {
+      // with only what matters to the literal there are fewer cases
+      kept = withoutSuperfluous(kept, literal, step);
+      found = argue(kept, literal, step);
+    }
     argument = found ? std::move(*found) : together(kept, literal, step);
     complete(argument, kept, literal, step);
     kept = withoutSuperfluous(argument.cited, literal, step);

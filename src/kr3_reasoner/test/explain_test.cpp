@@ -367,6 +367,30 @@ TEST(Explain, CitesWhatSufficesAndNothingElse)
       7);
 }
 
+TEST(Explain, ProvesWhatManyOtherCasesDoNotTouch)
+{
+  // each of six machines is either worn or was kicked: 64 explanations, of equal price
+  std::string text =
+      "sorts\n machine = {m1, m2, m3, m4, m5, m6}.\nfluents\n inertial worn(machine).\n"
+      " inertial kicked(machine).\n inertial loud(machine).\n inertial warm.\naxioms\n"
+      " false if loud(M), -worn(M), -kicked(M).\ndefaults\n d(M): -worn(M).\n e(M): -kicked(M).\n"
+      " w: warm.\n";
+  std::string history;
+  for (int machine = 1; machine <= 6; ++machine)
+  {
+    history += "obs(loud(m" + std::to_string(machine) + "), true, 1).\n";
+  }
+  Reasoner reasoner(parseDescription(text, "machines"));
+  reasoner.setHistory(parseHistory(history, "history", reasoner.description()));
+  ASSERT_EQ(reasoner.diagnose().explanations.size(), 64U);
+  EXPECT_EQ(reasoner.explain("warm", 1).defaults, std::vector<std::string>{"w"});
+  for (const char* const literal : {"warm", "loud(m3)"})
+  {
+    expectMinimalAndSufficient(reasoner, {}, literal, 1, "");
+    EXPECT_FALSE(isFallback(reasoner.explain(literal, 1).proof)) << literal;
+  }
+}
+
 // KR3_EXPLAIN_CASES and KR3_EXPLAIN_SEED in the environment run more of them.
 TEST(Explain, CitesWhatSufficesAndNothingElseInRandomHistories)
 {
