@@ -6,6 +6,7 @@
 #include <kr3_common/error.hpp>
 
 #include "explain.hpp"
+#include "explained_part.hpp"
 #include "retraction.hpp"
 
 namespace kr3::reasoner
@@ -123,6 +124,16 @@ GroundFluent Reasoner::Impl::groundFluent(const std::string& name) const
 
 // ---- Why, and what to give up ----
 
+/// Whether it takes long to ground the whole history for explanations. What raw answer set
+/// programming code depends on, nothing says: then there is no smaller part.
+bool Reasoner::Impl::isLarge() const
+{
+  constexpr std::size_t kMany = 1000;  // then a part is soon quicker than the whole once for all
+  const std::size_t num_fluents = sizeOf(description(), 0).fluents;
+  return description().asp_blocks.empty() &&
+         num_fluents * (static_cast<std::size_t>(currentStep()) + 1) > kMany;
+}
+
 Explanation Reasoner::Impl::explain(const Literal& literal, int step)
 {
   if (instances().isStatic(literal))
@@ -135,6 +146,15 @@ Explanation Reasoner::Impl::explain(const Literal& literal, int step)
     fact.proof.sentence = toString(literal) + " follows from the description alone";
     fact.reasons = {fact.proof.sentence};
     return fact;
+  }
+  if (isLarge())
+  {
+    ExplainedPart part(knowledge_->groundRules(), records_, currentStep(), options(), literal,
+                       program().limit());
+    if (auto explanation = part.explain(literal, step, Laws(description())))
+    {
+      return std::move(*explanation);
+    }
   }
   if (!check_)
   {

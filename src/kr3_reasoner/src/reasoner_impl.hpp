@@ -73,6 +73,7 @@ public:
       const std::function<bool(const Reasoner&, Retraction&)>& accept);
 
 private:
+  [[nodiscard]] bool isLarge() const;
   /// The history without some of its records.
   [[nodiscard]] Reasoner without(const std::vector<std::size_t>& given_up) const;
 

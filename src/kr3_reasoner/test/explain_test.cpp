@@ -367,6 +367,16 @@ TEST(Explain, CitesWhatSufficesAndNothingElse)
       7);
 }
 
+TEST(Explain, CitesWhatSufficesAndNothingElseOfALongHistory)
+{
+  expectManyExplained(
+      reasonerOf(kOffice,
+                 "init(loc(rob1) = office, true). hpd(move(rob1, main_library), 0). "
+                 "obs(loc(tb1) = main_library, false, 1). hpd(grasp(rob1, tb2), 1). "
+                 "hpd(move(rob1, kitchen), 2). obs(loc(tb3) = main_library, false, 30)."),
+      911);
+}
+
 TEST(Explain, ProvesWhatManyOtherCasesDoNotTouch)
 {
   // each of six machines is either worn or was kicked: 64 explanations, of equal price
