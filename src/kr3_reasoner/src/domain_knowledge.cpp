@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
+#include <unordered_set>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -30,7 +32,6 @@ DomainKnowledge::DomainKnowledge(Description description, const ReasonerOptions&
   : description_(std::move(description))
   , symbols_(description_)
   , program_(description_, checkedPrices(options))
-  , instances_(description_)
 {
 }
 
@@ -60,6 +61,15 @@ DomainKnowledge::Question::~Question()
   }
 }
 
+const Instances& DomainKnowledge::instances()
+{
+  if (!instances_)
+  {
+    instances_ = std::make_unique<Instances>(description_);
+  }
+  return *instances_;
+}
+
 const GroundRules& DomainKnowledge::groundRules()
 {
   if (!ground_rules_)
@@ -67,6 +77,47 @@ const GroundRules& DomainKnowledge::groundRules()
     ground_rules_ = std::make_unique<GroundRules>(description_);
   }
   return *ground_rules_;
+}
+
+ProblemSize DomainKnowledge::size(std::size_t num_records)
+{
+  if (!size_)
+  {
+    size_ = std::make_unique<ProblemSize>(sizeOf(description_));
+  }
+  ProblemSize size = *size_;
+  size.records = num_records;
+  return size;
+}
+
+ProblemSize sizeOf(const Description& description)
+{
+  ProblemSize size;
+  std::unordered_set<std::string> constants;
+  std::map<std::string, std::size_t> elements;
+  for (const Sort& sort : description.sorts)
+  {
+    constants.insert(sort.elements.begin(), sort.elements.end());
+    elements[sort.name] = sort.elements.size();
+  }
+  const auto count = [&](const std::vector<std::string>& sorts) {
+    std::size_t product = 1;
+    for (const std::string& sort : sorts)
+    {
+      product *= elements[sort];
+    }
+    return product;
+  };
+  for (const FluentDeclaration& fluent : description.fluents)
+  {
+    size.fluents += fluent.kind == FluentKind::kStatic ? 0 : count(fluent.argument_sorts);
+  }
+  for (const ActionDeclaration& action : description.actions)
+  {
+    size.actions += action.exogenous ? 0 : count(action.argument_sorts);
+  }
+  size.constants = constants.size();
+  return size;
 }
 
 }  // namespace kr3::reasoner

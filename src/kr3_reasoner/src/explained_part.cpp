@@ -39,14 +39,18 @@ void keepDefinitions(const Description& whole, Description& part)
   }
 }
 
-Slice sliceFor(const GroundRules& rules, const std::vector<CheckedRecord>& records,
-               int current_step, const Literal& literal)
+Slice sliceFor(DomainKnowledge& whole, const std::vector<CheckedRecord>& records, int current_step,
+               const Literal& literal)
 {
   Formula goal;
   goal.literal = literal;
-  Slice slice = Slicer(rules, records, current_step).forGoal(goal, std::nullopt, 0.0);
-  keepDefinitions(rules.description(), slice.description);
-  return slice;
+  return Slicer(whole, records, current_step, goal).forGoal(std::nullopt, 0.0);
+}
+
+Description withDefinitions(const Description& whole, Description part)
+{
+  keepDefinitions(whole, part);
+  return part;
 }
 
 bool same(const Record& a, const Record& b)
@@ -100,16 +104,16 @@ bool isPartOf(const CitedLaw& part, const CitedLaw& whole)
 
 }  // namespace
 
-ExplainedPart::ExplainedPart(const GroundRules& rules, const std::vector<CheckedRecord>& records,
-                             int current_step, const ReasonerOptions& options,
-                             const Literal& literal, const SearchLimit& limit)
+ExplainedPart::ExplainedPart(DomainKnowledge& whole, const std::vector<CheckedRecord>& records,
+                             int current_step, const Literal& literal, const SearchLimit& limit)
   : current_step_(current_step)
   , limit_(limit)
-  , slice_(sliceFor(rules, records, current_step, literal))
+  , slice_(sliceFor(whole, records, current_step, literal))
   , record_numbers_(numbersOf(slice_.records, records))
-  , program_(slice_.description, options)
-  , instances_(slice_.description)
-  , check_(slice_.description, (program_.limitTo(limit), program_), slice_.records, current_step)
+  , description_(withDefinitions(whole.description(), slice_.domain->description()))
+  , program_(description_, whole.options())
+  , instances_(description_)
+  , check_(description_, (program_.limitTo(limit), program_), slice_.records, current_step)
 {
 }
 
@@ -120,10 +124,10 @@ std::optional<Explanation> ExplainedPart::explain(const Literal& literal, int st
   {
     return std::nullopt;
   }
-  const Words words(slice_.description, program_.options(), instances_, slice_.records);
-  Explanation explanation = Explainer(slice_.description, words, instances_, slice_.records,
-                                      current_step_, limit_, &check_)
-                                .explain(literal, step);
+  const Words words(description_, program_.options(), instances_, slice_.records);
+  Explanation explanation =
+      Explainer(description_, words, instances_, slice_.records, current_step_, limit_, &check_)
+          .explain(literal, step);
   renumber(explanation.proof, record_numbers_);
   for (std::size_t& record : explanation.record_indices)
   {

@@ -16,11 +16,9 @@ namespace kr3::reasoner
 class ExplainedPart
 {
 public:
-  /// @param rules    of the whole description; only used here, as all but `options`
-  /// @param options  must outlive this object
-  ExplainedPart(const GroundRules& rules, const std::vector<CheckedRecord>& records,
-                int current_step, const ReasonerOptions& options, const Literal& literal,
-                const SearchLimit& limit);
+  /// @param whole  the whole description; its options must outlive this object
+  ExplainedPart(DomainKnowledge& whole, const std::vector<CheckedRecord>& records, int current_step,
+                const Literal& literal, const SearchLimit& limit);
 
   /// Nothing when the part does not entail the literal by itself: other records decide which
   /// assumptions are tried.
@@ -32,6 +30,7 @@ private:
   SearchLimit limit_;
   Slice slice_;
   std::vector<std::size_t> record_numbers_;  // in the whole history
+  Description description_;
   HistoryProgram program_;
   Instances instances_;
   HistoryCheck check_;

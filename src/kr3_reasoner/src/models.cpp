@@ -24,7 +24,7 @@ struct SolvedHistory
                 AtomComponents* components = nullptr)
     : solver(arguments, program.limit())
   {
-    RuleSink sink(solver.control(), components);
+    RuleSink sink(solver, components);
     history = std::make_unique<UnrolledHistory>(program, records, current_step, mode, sink);
     is_constant = sink.numRules() == 0;
   }
@@ -37,7 +37,7 @@ struct SolvedHistory
                                           optimum.settled ? &*optimum.settled : nullptr, false},
                     arguments)
   {
-    RuleSink sink(solver.control());
+    RuleSink sink(solver);
     history->bound(optimum.price, sink);
   }
 
@@ -249,9 +249,14 @@ std::optional<Optimum> findOptimum(const HistoryProgram& program, const Records&
                                    const ExplanationStart& start)
 {
   // Most histories need no assumption; then nothing that could be assumed has to be looked at.
-  const Optimum none{{}, {}, start.level, SettledAssumptions{}};
-  if (SolvedHistory(program, records, current_step, none, {"1", "--warn=none"}).isConsistent())
+  Optimum none{{}, {}, start.level, SettledAssumptions{}};
+  SolvedHistory unassuming(program, records, current_step, none, {"1", "--warn=none"});
+  if (unassuming.isConsistent())
   {
+    if (unassuming.is_constant)
+    {
+      none.constant_history = std::move(unassuming.history);
+    }
     return none;
   }
   const auto levels = assumableLevels(records, current_step, exogenous_first, start.uncertain);
@@ -268,7 +273,12 @@ std::optional<Optimum> findOptimum(const HistoryProgram& program, const Records&
 
 Consequences::Consequences(const Description& /*description*/, const HistoryProgram& program,
                            const Records& records, int current_step, const Optimum& optimum)
+  : history_(optimum.constant_history)
 {
+  if (history_)
+  {
+    return;
+  }
   SolvedHistory solved(program, records, current_step, optimum, {"0", "--warn=none"});
   truths_ = LiteralTruths(solved.solver, stateLiterals(*solved.history));
   history_ = std::move(solved.history);

@@ -21,6 +21,8 @@ struct Optimum
   int level = 0;  ///< how many kinds of assumption did not suffice, see findOptimum
   /// Nothing: not known, so that all that is assumable may be assumed.
   std::optional<SettledAssumptions> settled = std::nullopt;
+  /// The history, when all of it is constant, so that it need not be unrolled again; or nullptr.
+  std::shared_ptr<UnrolledHistory> constant_history = nullptr;
 };
 
 /// Where to begin with the kinds of assumption, when a history is explained in independent parts:
@@ -60,8 +62,11 @@ public:
   /// in all or in no models.
   [[nodiscard]] StateLiterals known(int step, StateLiterals state) const;
 
+  /// The history, with literals of a solver that is gone: of interest are constants.
+  [[nodiscard]] const UnrolledHistory& history() const { return *history_; }
+
 private:
-  std::unique_ptr<UnrolledHistory> history_;
+  std::shared_ptr<UnrolledHistory> history_;  // with the optimum, when it is constant
   LiteralTruths truths_;
 };
 

@@ -1,8 +1,12 @@
 #include "plan_program.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include <kr3_common/error.hpp>
 
 #include "ground_fluents.hpp"
+#include "plan_trial.hpp"
 
 namespace kr3::reasoner
 {
@@ -57,15 +61,19 @@ std::unique_ptr<UnrolledHistory> unrolled(const PlanningProblem& problem, Solver
 
 }  // namespace
 
-PlanProgram::PlanProgram(const PlanningProblem& problem, const Formula& goal, int /*max_length*/,
-                         PlanQuality quality, const SearchLimit& limit)
-  : problem_(problem)
-  , goal_(goal)
+PlanProgram::PlanProgram(const PlanningProblem& problem, Formula goal, PlanQuality quality,
+                         Start start)
+  : problem_(&problem)
+  , goal_(std::move(goal))
   , quality_(quality)
   , solver_({"1", "--warn=none"})
-  , watch_(solver_.control(), limit)
-  , history_(unrolled(problem, solver_))
-  , dynamics_(history_->dynamics())
+  , start_kind_(start)
+  , history_(start == Start::kAfterHistory && !problem.optimum.constant_history
+                 ? unrolled(problem, solver_)
+                 : nullptr)
+  , dynamics_(history_                        ? history_->dynamics()
+              : start == Start::kAfterHistory ? problem.optimum.constant_history->dynamics()
+                                              : problem.program.dynamics(false))
   , has_costs_(!problem.description.costs.empty())
 {
   for (std::size_t a = 0; a < dynamics_.actions().size(); ++a)
@@ -75,16 +83,110 @@ PlanProgram::PlanProgram(const PlanningProblem& problem, const Formula& goal, in
       agent_actions_.push_back(static_cast<int>(a));
     }
   }
-  findOpenFluents();
-  findTests(goal);
-  // What is known at the current step is known to the plan.
-  states_.push_back(problem.consequences.known(problem.now, history_->state(problem.now)));
-  searching_ = newGuard();
-  RuleSink sink(solver_.control());
-  goal_now_ = goalAt(goal, states_[0], sink);
+  RuleSink sink(solver_);
+  if (history_)
+  {
+    findOpenFluents();
+    // What is known at the current step is known to the plan.
+    states_.push_back(problem.consequences.known(problem.now, history_->state(problem.now)));
+  }
+  else if (start == Start::kAfterHistory)
+  {
+    states_.push_back(problem.optimum.constant_history->state(problem.now));
+  }
+  else
+  {
+    const StateLiterals any(dynamics_.numValues(), PartialEvaluator::kOpen);
+    states_.push_back(dynamics_.initialState(any, sink));
+  }
+  findTests(goal_);
+  goal_now_ = goalAt(goal_, states_[0], sink);
   fails_.push_back(-goal_now_);
   queries_.push_back(kFalseLiteral);
 }
+
+// ---- Questions ----
+
+void PlanProgram::begin(const PlanningProblem& problem, const SearchLimit& limit)
+{
+  problem_ = &problem;
+  watch_ = std::make_unique<SolveWatch>(solver_.control(), limit);
+  is_uncovered_ = true;
+  if (searching_ == kFalseLiteral || has_additions_)
+  {
+    if (has_additions_)
+    {
+      solver_.control().with_backend([this](Clingo::Backend& backend) {
+        backend.external(static_cast<Clingo::atom_t>(searching_), Clingo::ExternalType::Release);
+      });
+    }
+    searching_ = newGuard();
+    has_additions_ = false;
+  }
+  if (start_kind_ == Start::kAfterHistory)
+  {
+    start_ = states_[0];
+    return;
+  }
+  const StateLiterals known = problem.consequences.known(
+      problem.now, StateLiterals(dynamics_.numValues(), PartialEvaluator::kOpen));
+  RuleSink sink;
+  start_ = dynamics_.initialState(known, sink);
+  is_exact_ = true;
+  start_values_.clear();
+  for (std::size_t f = 0; f < dynamics_.fluents().size(); ++f)
+  {
+    const GroundFluent& fluent = dynamics_.fluents()[f];
+    if (fluent.kind == FluentKind::kDefined)
+    {
+      continue;
+    }
+    const std::size_t first = dynamics_.firstValue(f);
+    const std::size_t end = first + fluent.values.size();
+    const auto open =
+        std::count(known.begin() + static_cast<std::ptrdiff_t>(first),
+                   known.begin() + static_cast<std::ptrdiff_t>(end), PartialEvaluator::kOpen);
+    is_exact_ = is_exact_ && open == 0;
+    for (std::size_t v = first; v < end; ++v)
+    {
+      if (known[v] == kTrueLiteral || (open > 0 && known[v] == kFalseLiteral))
+      {
+        start_values_.push_back(known[v] == kTrueLiteral ? states_[0][v] : -states_[0][v]);
+      }
+    }
+  }
+}
+
+bool PlanProgram::end()
+{
+  constexpr int kMostGuards = 200;  // what questions add stays in the solver
+  bool interrupted = false;
+  try
+  {
+    checkLimit();
+  }
+  catch (const Error&)
+  {
+    interrupted = true;  // perhaps the solver was told only after its last call
+  }
+  watch_.reset();
+  return start_kind_ == Start::kAnyState && !interrupted && num_guards_ < kMostGuards;
+}
+
+bool PlanProgram::isDecided() const
+{
+  RuleSink sink;
+  return isConstant(goalAt(goal_, start_, sink));
+}
+
+bool PlanProgram::surelyWorks(const PlanSteps& steps)
+{
+  const std::optional<StateLiterals> state = stateAfter(steps, start_, dynamics_);
+  RuleSink sink;
+  return state && goalAt(goal_, *state, sink) == kTrueLiteral;
+}
+
+// ---- The goal ----
 
 void PlanProgram::findOpenFluents()
 {
@@ -98,7 +200,7 @@ void PlanProgram::findOpenFluents()
     std::size_t possible = 0;
     for (const std::string& value : fluent.values)
     {
-      possible += problem_.consequences.inSome(literalOf(fluent, value), problem_.now) ? 1 : 0;
+      possible += problem_->consequences.inSome(literalOf(fluent, value), problem_->now) ? 1 : 0;
     }
     if (possible > 1)
     {
@@ -123,7 +225,7 @@ void PlanProgram::findTests(const Formula& goal)
     {
       continue;
     }
-    for (const Executability& rule : problem_.description.executabilities)
+    for (const Executability& rule : problem_->description.executabilities)
     {
       const auto* pattern =
           rule.actions.size() == 1 ? std::get_if<Atom>(&rule.actions[0]) : nullptr;
@@ -169,7 +271,7 @@ SolverLiteral PlanProgram::goalAt(const Formula& goal, const StateLiterals& stat
   switch (goal.kind)
   {
     case Formula::Kind::kLiteral:
-      return history_->literalIn(goal.literal, state);
+      return literalIn(goal.literal, state);
     case Formula::Kind::kNot:
       return -operands.front();
     case Formula::Kind::kAnd:
@@ -178,6 +280,19 @@ SolverLiteral PlanProgram::goalAt(const Formula& goal, const StateLiterals& stat
       return sink.disjunction(operands);
   }
   return kFalseLiteral;
+}
+
+SolverLiteral PlanProgram::literalIn(const Literal& open, const StateLiterals& state) const
+{
+  const Literal literal = normalized(open, problem_->description);
+  if (problem_->description.findFluent(literal.atom.name)->kind == FluentKind::kStatic)
+  {
+    return problem_->consequences.inAll(literal, problem_->now) ? kTrueLiteral : kFalseLiteral;
+  }
+  const int fluent = dynamics_.fluentNumber(toString(literal.atom));
+  const int index = fluent < 0 ? -1 : dynamics_.valueIndex(fluent, literal.value.name);
+  const SolverLiteral value = index < 0 ? kFalseLiteral : state[static_cast<std::size_t>(index)];
+  return literal.equal ? value : -value;
 }
 
 std::string PlanProgram::literalText(const std::pair<std::string, std::string>& value) const

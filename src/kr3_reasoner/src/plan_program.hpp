@@ -21,10 +21,13 @@ using PlanSteps = std::vector<std::vector<std::string>>;
 /// Values of the open fluents, in their order: the fluent and its value.
 using OpenValues = std::vector<std::pair<std::string, std::string>>;
 
+class DomainKnowledge;
+
 /// What a plan is looked for in. All must outlive the search.
 struct PlanningProblem
 {
-  const Description& description;
+  DomainKnowledge& domain;
+  const Description& description;  ///< of the domain
   const HistoryProgram& program;
   const std::vector<CheckedRecord>& records;
   int now;  ///< the current step
@@ -50,23 +53,50 @@ struct Proposal
   std::size_t num_actions = 0;
 };
 
-/// The history, a plan of growing length after it and the goal, as one program that is solved many
-/// times. Private to the package.
+/// A plan of growing length and its goal, as one program that is solved many times. Private to the
+/// package.
+///
+/// It starts after a history, or from any state: then the state is assumed when a question begins,
+/// and what was grounded serves for further questions.
 ///
 /// `pl(A, t)`: the plan has A at t. It occurs unless an earlier action turned out impossible, so
 /// that what a plan does in a model in which it fails can be looked at too.
 class PlanProgram
 {
 public:
-  PlanProgram(const PlanningProblem& problem, const Formula& goal, int max_length,
-              PlanQuality quality, const SearchLimit& limit);
+  /// Where plans start.
+  enum class Start
+  {
+    kAfterHistory,  ///< of the problem that it is made for; for one question
+    kAnyState       ///< for problems with the same domain
+  };
+
+  /// @param problem  must outlive the question, its domain the program
+  PlanProgram(const PlanningProblem& problem, Formula goal, PlanQuality quality, Start start);
+
+  /// Begins a question. @param problem, limit  must last until it ends
+  void begin(const PlanningProblem& problem, const SearchLimit& limit);
+
+  /// Ends it. @return whether the program may serve for another question
+  bool end();
 
   /// The ground fluents, not defined ones, that the history leaves open at the current step.
   [[nodiscard]] const std::vector<GroundFluent>& openFluents() const { return open_; }
   [[nodiscard]] std::string literalText(const std::pair<std::string, std::string>& value) const;
 
   /// Whether the goal is false now in some model.
-  bool goalMayBeFalse();
+  [[nodiscard]] bool goalMayBeFalse();
+
+  /// Whether the program starts from the possible states and no others. If it does not, it starts
+  /// from those that agree with all that is known.
+  [[nodiscard]] bool isExact() const { return is_exact_; }
+
+  /// Whether the goal is true, or false, in all states that plans start from.
+  [[nodiscard]] bool isDecided() const;
+
+  /// Whether the plan can be executed and reaches the goal from every state that agrees with what
+  /// is known: nothing is left to luck. Needs no solver.
+  [[nodiscard]] bool surelyWorks(const PlanSteps& steps);
 
   /// Makes plans of this length possible; lengths grow.
   void extendTo(int length);
@@ -132,6 +162,7 @@ private:
                            const Atom& pattern, const GroundFluent& fluent) const;
   [[nodiscard]] SolverLiteral goalAt(const Formula& goal, const StateLiterals& state,
                                      RuleSink& sink) const;
+  [[nodiscard]] SolverLiteral literalIn(const Literal& literal, const StateLiterals& state) const;
   void addStep(RuleSink& sink);
   [[nodiscard]] std::vector<SolverLiteral> addActions(const StateLiterals& before, RuleSink& sink);
   void addPayments(const StateLiterals& before, RuleSink& sink);
@@ -153,13 +184,17 @@ private:
   [[nodiscard]] SolverLiteral sumAbove(long bound,
                                        const std::vector<Clingo::WeightedLiteral>& weighted);
 
-  const PlanningProblem& problem_;
-  const Formula& goal_;
+  const PlanningProblem* problem_;  // of the question
+  Formula goal_;
   PlanQuality quality_;
   Solver solver_;
-  SolveWatch watch_;
-  std::unique_ptr<UnrolledHistory> history_;
+  std::unique_ptr<SolveWatch> watch_;  // while there is a question
+  Start start_kind_;
+  std::unique_ptr<UnrolledHistory> history_;  // if plans start after one that is not constant
   Dynamics& dynamics_;
+  StateLiterals start_;       // the current state: constants for what is known
+  Assumptions start_values_;  // what is known, when the program starts from any state
+  bool is_exact_ = true;
   bool has_costs_ = false;
   std::vector<int> agent_actions_;
   std::vector<char> tests_;  // by action: whether it tests an open fluent of the goal
@@ -176,7 +211,10 @@ private:
   SolverLiteral goal_now_ = kFalseLiteral;
   SolverLiteral broken_ = kFalseLiteral;
   SolverLiteral tested_ = kFalseLiteral;
-  SolverLiteral searching_ = kFalseLiteral;
+  SolverLiteral searching_ = kFalseLiteral;  // guard of what a question adds
+  bool has_additions_ = false;               // behind that guard
+  int num_guards_ = 0;
+  std::optional<bool> is_uncovered_;  // nothing: has to be asked
 
   // The last model.
   OpenValues state_;

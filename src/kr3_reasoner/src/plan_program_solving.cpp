@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include <kr3_common/error.hpp>
 
@@ -18,12 +19,13 @@ constexpr long kMilli = 1000;
 
 void PlanProgram::checkLimit() const
 {
-  watch_.check("at horizon " + std::to_string(steps_.size()));
+  watch_->check("at horizon " + std::to_string(steps_.size()));
 }
 
 /// A literal that is free until it is assumed.
 SolverLiteral PlanProgram::newGuard()
 {
+  ++num_guards_;
   Clingo::atom_t guard = 0;
   solver_.control().with_backend([&](Clingo::Backend& backend) {
     guard = backend.add_atom();
@@ -43,15 +45,18 @@ void PlanProgram::addConstraint(std::vector<SolverLiteral> literals)
 bool PlanProgram::solve(const Assumptions& assumptions, bool optimize)
 {
   Assumptions open;
-  for (const SolverLiteral literal : assumptions)
+  for (const Assumptions* const some : {&std::as_const(start_values_), &assumptions})
   {
-    if (literal == kFalseLiteral)
+    for (const SolverLiteral literal : *some)
     {
-      return false;
-    }
-    if (literal != kTrueLiteral)
-    {
-      open.push_back(literal);
+      if (literal == kFalseLiteral)
+      {
+        return false;
+      }
+      if (literal != kTrueLiteral)
+      {
+        open.push_back(literal);
+      }
     }
   }
   if (quality_ != PlanQuality::kNone)
@@ -124,21 +129,35 @@ void PlanProgram::read(const Clingo::Model& model)
 
 bool PlanProgram::goalMayBeFalse()
 {
-  return solve({fails_[0]});
+  RuleSink sink;
+  const SolverLiteral holds = goalAt(goal_, start_, sink);
+  return isConstant(holds) ? holds == kFalseLiteral : solve({fails_[0]});
 }
 
 bool PlanProgram::isUncovered()
 {
-  return solve({searching_});
+  if (!is_uncovered_)
+  {
+    is_uncovered_ = solve({searching_});
+  }
+  return *is_uncovered_;
 }
 
 std::optional<Proposal> PlanProgram::propose(int length)
 {
+  if (is_uncovered_ == false)
+  {
+    return std::nullopt;
+  }
   return proposal({searching_, queries_[static_cast<std::size_t>(length)]}, length);
 }
 
 std::optional<Proposal> PlanProgram::proposal(Assumptions assumptions, int length)
 {
+  for (auto i = static_cast<std::size_t>(length); i < steps_.size(); ++i)
+  {
+    assumptions.push_back(-steps_[i].busy);
+  }
   if (!solve(assumptions, quality_ != PlanQuality::kNone))
   {
     return std::nullopt;
@@ -358,6 +377,13 @@ std::optional<OpenValues> PlanProgram::stuck(const PlanSteps& steps, std::size_t
 
 void PlanProgram::cover(const OpenValues& hypothesis)
 {
+  if (hypothesis.empty())
+  {
+    is_uncovered_ = false;  // by a plan for every state
+    return;
+  }
+  is_uncovered_ = std::nullopt;
+  has_additions_ = true;
   Assumptions literals = {searching_};
   assume(literals, hypothesis);
   addConstraint(std::move(literals));
@@ -365,6 +391,7 @@ void PlanProgram::cover(const OpenValues& hypothesis)
 
 void PlanProgram::forbid(const PlanSteps& steps, int length)
 {
+  has_additions_ = true;
   Assumptions literals = fixed(steps, steps.size());
   literals.push_back(searching_);
   literals.push_back(queries_[static_cast<std::size_t>(length)]);

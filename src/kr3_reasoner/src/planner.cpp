@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <ctime>
+#include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include <kr3_common/error.hpp>
 
+#include "domain_knowledge.hpp"
 #include "plan_reach.hpp"
+#include "plan_trial.hpp"
 #include "unsolvable.hpp"
 
 namespace kr3::reasoner
@@ -49,17 +53,93 @@ public:
     : problem_(problem)
     , goal_(goal)
     , options_(options)
-    , rules_(problem.description)
+    , rules_(problem.domain.groundRules())
     , quality_(qualityOf(problem.description, options.preference, rules_.serial()))
     , limit_{Clock::now() + options.time_limit, cancel}
-    , program_(problem, goal, options.max_horizon, quality_, limit_)
+    , key_(std::to_string(static_cast<int>(quality_)) + " " + toString(goal))
     , reach_(rules_, problem.consequences, problem.now)
   {
   }
 
   PlanResult run()
   {
-    if (!program_.goalMayBeFalse())
+    if (std::optional<PlanResult> result = warmAnswer())
+    {
+      return std::move(*result);
+    }
+    program_ =
+        std::make_unique<PlanProgram>(problem_, goal_, quality_, PlanProgram::Start::kAfterHistory);
+    program_->begin(problem_, limit_);
+    return answer();
+  }
+
+private:
+  /// The answer of a program that is kept from question to question; it pays from the second
+  /// question about a goal on. Nothing when it needs what only the history tells.
+  std::optional<PlanResult> warmAnswer()
+  {
+    PlanProgramStore& plans = problem_.domain.plans();
+    if (!plans.isAskedAgain(key_) || !problem_.description.asp_blocks.empty())
+    {
+      return std::nullopt;
+    }
+    program_ = plans.take(key_);
+    if (!program_)
+    {
+      program_ =
+          std::make_unique<PlanProgram>(problem_, goal_, quality_, PlanProgram::Start::kAnyState);
+    }
+    program_->begin(problem_, limit_);
+    std::optional<PlanResult> result;
+    if (program_->isExact())
+    {
+      result = answer();
+    }
+    else if (program_->isDecided() && !options_.all && problem_.description.costs.empty())
+    {
+      result = sureAnswer();
+    }
+    if (program_->end())  // not interrupted: it serves for the next question
+    {
+      plans.keep(key_, std::move(program_));
+    }
+    return result;
+  }
+
+  /// As answer(), of a program that starts from more states than are possible. Nothing when the
+  /// first plan that it finds does not work from all of them; a plan that does needs no hypothesis,
+  /// and a length that has no plan here has none from the possible states.
+  std::optional<PlanResult> sureAnswer()
+  {
+    if (!program_->goalMayBeFalse())
+    {
+      result_.goal_entailed = true;
+      return std::move(result_);
+    }
+    const bool any_length = quality_ == PlanQuality::kLeastCostAnyLength;
+    for (int length = any_length ? options_.max_horizon : 1;
+         length <= options_.max_horizon && program_->isUncovered(); ++length)
+    {
+      tell(length);
+      program_->extendTo(length);
+      if (const std::optional<Proposal> proposal = program_->propose(length))
+      {
+        if (!program_->surelyWorks(proposal->steps))
+        {
+          return std::nullopt;
+        }
+        result_.plans.push_back(planOf(*proposal, {}));
+        return std::move(result_);
+      }
+    }
+    result_.covers_all = false;
+    result_.reason = whyUnsolvable(problem_, goal_, options_.max_horizon, unverified_, limit_);
+    return std::move(result_);
+  }
+
+  PlanResult answer()
+  {
+    if (!program_->goalMayBeFalse())
     {
       result_.goal_entailed = true;
       return std::move(result_);
@@ -69,19 +149,19 @@ public:
       if (quality_ == PlanQuality::kLeastCostAnyLength)
       {
         tell(options_.max_horizon);
-        program_.extendTo(options_.max_horizon);
+        program_->extendTo(options_.max_horizon);
         findPlans(options_.max_horizon);
       }
       else
       {
-        for (int length = 1; length <= options_.max_horizon && program_.isUncovered(); ++length)
+        for (int length = 1; length <= options_.max_horizon && program_->isUncovered(); ++length)
         {
           tell(length);
-          program_.extendTo(length);
+          program_->extendTo(length);
           findPlans(length);
         }
       }
-      result_.covers_all = !program_.isUncovered();
+      result_.covers_all = !program_->isUncovered();
     }
     catch (const DeadlineExceeded& e)
     {
@@ -101,7 +181,6 @@ public:
     return std::move(result_);
   }
 
-private:
   void tell(int length) const
   {
     if (options_.on_horizon)
@@ -113,12 +192,12 @@ private:
   /// The plans of a length, one for each hypothesis.
   void findPlans(int length)
   {
-    while (std::optional<Proposal> proposal = program_.propose(length))
+    while (std::optional<Proposal> proposal = program_->propose(length))
     {
       const std::optional<std::vector<std::size_t>> hypothesis = hypothesisOf(*proposal);
       if (!hypothesis)
       {
-        program_.forbid(proposal->steps, length);
+        program_->forbid(proposal->steps, length);
         continue;
       }
       const OpenValues assumed = chosen(proposal->state, *hypothesis);
@@ -129,7 +208,7 @@ private:
       }
       result_.plans.insert(result_.plans.end(), std::make_move_iterator(plans.begin()),
                            std::make_move_iterator(plans.end()));
-      program_.cover(assumed);
+      program_->cover(assumed);
     }
   }
 
@@ -139,11 +218,11 @@ private:
     plan.steps = proposal.steps;
     for (const auto& value : hypothesis)
     {
-      plan.hypothesis.push_back(program_.literalText(value));
+      plan.hypothesis.push_back(program_->literalText(value));
     }
-    plan.cost =
-        static_cast<double>(program_.largestCost(proposal.steps, hypothesis, proposal.cost_milli)) /
-        kMilli;
+    plan.cost = static_cast<double>(
+                    program_->largestCost(proposal.steps, hypothesis, proposal.cost_milli)) /
+                kMilli;
     return plan;
   }
 
@@ -151,7 +230,7 @@ private:
   void addOthers(const Proposal& first, const OpenValues& hypothesis, std::vector<Plan>& plans)
   {
     std::vector<PlanSteps> seen = {first.steps};
-    while (std::optional<Proposal> other = program_.proposeAnother(first, hypothesis, seen))
+    while (std::optional<Proposal> other = program_->proposeAnother(first, hypothesis, seen))
     {
       if (plans.size() == static_cast<std::size_t>(options_.max_plans))
       {
@@ -182,16 +261,24 @@ private:
   /// should be.
   std::optional<OpenValues> counterexample(const Proposal& proposal, const OpenValues& hypothesis)
   {
-    if (auto state = program_.failure(proposal.steps, hypothesis))
+    const bool surely_works = hypothesis.empty() && program_->surelyWorks(proposal.steps);
+    if (!surely_works)
     {
-      return state;
-    }
-    if (quality_ == PlanQuality::kLeastCost || quality_ == PlanQuality::kLeastCostAnyLength)
-    {
-      if (auto state = program_.dearer(proposal.steps, hypothesis, proposal.cost_milli))
+      if (auto state = program_->failure(proposal.steps, hypothesis))
       {
         return state;
       }
+    }
+    if (quality_ == PlanQuality::kLeastCost || quality_ == PlanQuality::kLeastCostAnyLength)
+    {
+      if (auto state = program_->dearer(proposal.steps, hypothesis, proposal.cost_milli))
+      {
+        return state;
+      }
+    }
+    if (surely_works)
+    {
+      return std::nullopt;
     }
     reach_.restart();
     for (std::size_t step = 0; step < proposal.steps.size(); ++step)
@@ -201,7 +288,7 @@ private:
       {
         continue;
       }
-      if (auto state = program_.stuck(proposal.steps, step, hypothesis, fluents))
+      if (auto state = program_->stuck(proposal.steps, step, hypothesis, fluents))
       {
         return state;
       }
@@ -257,19 +344,20 @@ private:
   const PlanningProblem& problem_;
   const Formula& goal_;
   const PlanOptions& options_;
-  GroundRules rules_;
+  const GroundRules& rules_;
   PlanQuality quality_;
   SearchLimit limit_;
-  PlanProgram program_;
+  std::string key_;  // of the program among those that are kept
+  std::unique_ptr<PlanProgram> program_;
   PlanReach reach_;
   PlanResult result_;
   std::string unverified_;  // why a plan that may be right was not accepted
 };
 
-Planner::Planner(const Description& description, const HistoryProgram& program,
-                 const std::vector<CheckedRecord>& records, int current_step,
-                 const Optimum& optimum, const Consequences& consequences)
-  : problem_{description, program, records, current_step, optimum, consequences}
+Planner::Planner(DomainKnowledge& domain, const std::vector<CheckedRecord>& records,
+                 int current_step, const Optimum& optimum, const Consequences& consequences)
+  : problem_{domain,  domain.description(), domain.program(), records, current_step,
+             optimum, consequences}
 {
 }
 

@@ -201,9 +201,8 @@ PlanResult Reasoner::plan(const std::string& goal, const PlanOptions& asked,
   // What raw answer set programming code depends on, nothing says: then all is relevant.
   if (options.relevant_only && impl_->description().asp_blocks.empty())
   {
-    return RelevantPlanner(impl_->knowledge()->groundRules(), impl_->records(), step,
-                           impl_->options())
-        .plan(formula, options, cancel);
+    return RelevantPlanner(*impl_->knowledge(), impl_->records(), step, formula)
+        .plan(options, cancel);
   }
   if (!impl_->optimum())
   {
@@ -211,19 +210,19 @@ PlanResult Reasoner::plan(const std::string& goal, const PlanOptions& asked,
     result.reason = "the history is inconsistent: " + impl_->conflictText();
     return result;
   }
-  const Planner planner(impl_->description(), impl_->program(), impl_->records(), step,
-                        *impl_->optimum(), impl_->consequences(step));
+  const Planner planner(*impl_->knowledge(), impl_->records(), step, *impl_->optimum(),
+                        impl_->consequences(step));
   PlanResult result = planner.plan(formula, options, cancel);
-  result.considered = sizeOf(impl_->description(), impl_->records().size());
-  result.whole = result.considered;
+  result.whole = impl_->knowledge()->size(impl_->records().size());
+  result.considered = result.whole;
   return result;
 }
 
 RelevantPart Reasoner::relevant(const std::string& goal) const
 {
   const Formula formula = parseGoal(goal, impl_->description());
-  return Slicer(impl_->knowledge()->groundRules(), impl_->records(), impl_->currentStep())
-      .report(formula, kFirstHorizon);
+  return Slicer(*impl_->knowledge(), impl_->records(), impl_->currentStep(), formula)
+      .report(kFirstHorizon);
 }
 
 std::string Reasoner::translation() const

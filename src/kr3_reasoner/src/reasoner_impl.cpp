@@ -129,7 +129,7 @@ GroundFluent Reasoner::Impl::groundFluent(const std::string& name) const
 bool Reasoner::Impl::isLarge() const
 {
   constexpr std::size_t kMany = 1000;  // then a part is soon quicker than the whole once for all
-  const std::size_t num_fluents = sizeOf(description(), 0).fluents;
+  const std::size_t num_fluents = knowledge_->size(0).fluents;
   return description().asp_blocks.empty() &&
          num_fluents * (static_cast<std::size_t>(currentStep()) + 1) > kMany;
 }
@@ -149,8 +149,7 @@ Explanation Reasoner::Impl::explain(const Literal& literal, int step)
   }
   if (isLarge())
   {
-    ExplainedPart part(knowledge_->groundRules(), records_, currentStep(), options(), literal,
-                       program().limit());
+    ExplainedPart part(*knowledge_, records_, currentStep(), literal, program().limit());
     if (auto explanation = part.explain(literal, step, Laws(description())))
     {
       return std::move(*explanation);

@@ -23,7 +23,8 @@ bool Relevance::refutes(const RuleLiteral& literal, const RuleBinding& binding, 
   const GroundAtom fluent = GroundRules::bound(literal, binding);
   const auto known = known_.find(fluent);
   const ConstantId value = GroundRules::bound(literal.value, binding);
-  if (known == known_.end() || value == kUnbound || (known->second == value) == literal.equal)
+  if (known == known_.end() || value == kUnbound || (known->second == value) == literal.equal ||
+      isTied(fluent))  // its record goes with what it is tied to
   {
     return false;
   }

@@ -18,9 +18,9 @@ namespace kr3::reasoner
 /// over the ground instances of the rules, which are made on demand (DESIGN.md 3.3). Private to the
 /// package.
 ///
-/// *Constants of the history.* A fluent that is known initially and that no occurred action,
-/// exogenous action, constraint or useful action changes keeps its value. An instance of a rule
-/// that such a value refutes is dead. The rest is closed under:
+/// *Constants of the history.* A fluent that is known initially, that no constraint ties to others,
+/// and that no occurred action, exogenous action, constraint or useful action changes keeps its
+/// value. An instance of a rule that such a value refutes is dead. The rest is closed under:
 ///  - a constraint, a default, or a law or condition of an occurred (or exogenous) action that is
 ///  not
 ///    dead and mentions a relevant fluent makes all its fluents relevant: they may carry evidence
@@ -97,11 +97,20 @@ private:
     kAlways
   };
 
+  struct Occurrence
+  {
+    std::vector<GroundAtom> fluents;
+    bool joined = false;  ///< its fluents are relevant
+    bool asked = false;   ///< by its record
+  };
+
   void findOpenPositions();
   void readRecords();
   void findEvidence();
   void expandOccurrences();
   void collectOccurrences();
+  void addTo(Occurrence& occurrence, std::size_t rule, const RuleBinding& binding);
+  [[nodiscard]] bool isTied(const GroundAtom& fluent) const;
 
   [[nodiscard]] bool refutes(const RuleLiteral& literal, const RuleBinding& binding, Basis basis);
   void forEachLive(std::size_t rule, const RuleBinding& binding, Basis basis,
@@ -131,19 +140,14 @@ private:
   std::vector<bool> evidence_;   // by symbol of a defined fluent: it can carry evidence
   std::vector<bool> exogenous_;  // by symbol: exogenous actions change it
   std::unordered_map<GroundAtom, ConstantId, GroundAtomHash> known_;
-  std::unordered_set<GroundAtom, GroundAtomHash> changed_;   // by occurred actions
-  std::unordered_set<GroundAtom, GroundAtomHash> affected_;  // or by useful ones
+  mutable std::unordered_map<GroundAtom, bool, GroundAtomHash> tied_;  // see isTied
+  std::unordered_set<GroundAtom, GroundAtomHash> changed_;             // by occurred actions
+  std::unordered_set<GroundAtom, GroundAtomHash> affected_;            // or by useful ones
   bool planning_ = false;
 
   std::vector<Item> items_;
   std::unordered_map<GroundAtom, int, GroundAtomHash> fluent_item_;
   std::unordered_map<GroundAtom, int, GroundAtomHash> action_item_;
-  struct Occurrence
-  {
-    std::vector<GroundAtom> fluents;
-    bool joined = false;  ///< its fluents are relevant
-    bool asked = false;   ///< by its record
-  };
   std::map<std::size_t, Occurrence> occurrences_;  // by record
   std::unordered_map<GroundAtom, std::vector<std::size_t>, GroundAtomHash> occurrences_of_;
 

@@ -159,6 +159,17 @@ void Relevance::expandOccurrences()
   }
 }
 
+/// Ties the fluents of a rule's instances to an occurred action.
+void Relevance::addTo(Occurrence& occurrence, std::size_t rule, const RuleBinding& binding)
+{
+  forEachLive(rule, binding, Basis::kHistory, [&](const RuleBinding& instance) {
+    for (const RuleLiteral& literal : rules_.rules()[rule].literals)
+    {
+      occurrence.fluents.push_back(GroundRules::bound(literal, instance));
+    }
+  });
+}
+
 /// The fluents that the laws and conditions of each occurred action tie together.
 void Relevance::collectOccurrences()
 {
@@ -183,13 +194,12 @@ void Relevance::collectOccurrences()
         {
           continue;
         }
-        forEachLive(index, binding, Basis::kHistory, [&](const RuleBinding& instance) {
-          for (const RuleLiteral& literal : rule.literals)
-          {
-            occurrence.fluents.push_back(GroundRules::bound(literal, instance));
-          }
-        });
+        addTo(occurrence, index, binding);
       }
+    }
+    for (const std::size_t index : rules_.rulesOfAnyAction())
+    {
+      addTo(occurrence, index, RuleBinding(rules_.rules()[index].in_fluent.size(), kUnbound));
     }
   }
   for (const auto& [step, together] : at_step)  // they may exclude each other
@@ -239,12 +249,19 @@ bool Relevance::isPlainFact(std::size_t record) const
   const GroundAtom fluent = rules_.ground(checked.literal.atom, false);
   const auto known = known_.find(fluent);
   const bool changes = exogenous_[fluent.symbol] || changed_.count(fluent) > 0;
-  if (known == known_.end() || known->second != rules_.constant(checked.literal.value.name) ||
-      (changes && checked.record.step > 0))
+  return known != known_.end() && known->second == rules_.constant(checked.literal.value.name) &&
+         (!changes || checked.record.step == 0) && !isTied(fluent);
+}
+
+/// Whether a constraint or default that what is known initially does not satisfy ties a fluent to
+/// something else.
+bool Relevance::isTied(const GroundAtom& fluent) const
+{
+  const auto [place, fresh] = tied_.emplace(fluent, false);
+  if (!fresh)
   {
-    return false;
+    return place->second;
   }
-  // A constraint that is not satisfied by what is known initially ties it to something else.
   const auto refuted = [&](const RuleLiteral& literal, const RuleBinding& binding) {
     const auto other = known_.find(GroundRules::bound(literal, binding));
     const ConstantId value = GroundRules::bound(literal.value, binding);
@@ -278,11 +295,12 @@ bool Relevance::isPlainFact(std::size_t record) const
       });
       if (tied)
       {
-        return false;
+        place->second = true;
+        return true;
       }
     }
   }
-  return true;
+  return false;
 }
 
 }  // namespace kr3::reasoner

@@ -56,58 +56,51 @@ void checkPlanOptions(const PlanOptions& options)
 /// A slice with its history explained; without an optimum the history is inconsistent.
 struct RelevantPlanner::Explained
 {
-  Explained(Slice part, const ReasonerOptions& options, const SearchLimit& limit)
-    : slice(std::move(part)), program(slice.description, options)
+  Explained(Slice part, const SearchLimit& limit) : slice(std::move(part))
   {
-    program.limitTo(limit);
+    slice.domain->limitTo(limit);
   }
 
+  [[nodiscard]] const HistoryProgram& program() const { return slice.domain->program(); }
+
   Slice slice;
-  HistoryProgram program;
   std::optional<Optimum> optimum;
   std::unique_ptr<Consequences> consequences;
   std::string conflict;
 };
 
-RelevantPlanner::RelevantPlanner(const GroundRules& rules,
-                                 const std::vector<CheckedRecord>& records, int current_step,
-                                 const ReasonerOptions& options)
+RelevantPlanner::RelevantPlanner(DomainKnowledge& whole, const std::vector<CheckedRecord>& records,
+                                 int current_step, const Formula& goal)
   : records_(records)
   , current_step_(current_step)
-  , options_(options)
-  , slicer_(rules, records, current_step)
+  , options_(whole.options())
+  , goal_(goal)
+  , slicer_(whole, records, current_step, goal)
 {
 }
 
-std::unique_ptr<RelevantPlanner::Explained> RelevantPlanner::explain(const Formula& goal,
-                                                                     Slice slice,
-                                                                     const SearchLimit& limit) const
+RelevantPlanner::Explained RelevantPlanner::explain(Slice slice, const Explained* rest,
+                                                    const SearchLimit& limit) const
 {
-  auto explained = std::make_unique<Explained>(std::move(slice), options_, limit);
-  std::optional<Slice> rest_slice = slicer_.forRest(goal);
-  std::unique_ptr<Explained> rest;
-  if (rest_slice)
-  {
-    rest = std::make_unique<Explained>(std::move(*rest_slice), options_, limit);
-  }
+  Explained explained(std::move(slice), limit);
   ExplanationStart start;
   start.uncertain = std::any_of(records_.begin(), records_.end(), [](const CheckedRecord& checked) {
     return !checked.isAction() && checked.record.confidence < 1.0;
   });
   const auto optimumOf = [&](const Explained& part) {
-    return findOptimum(part.program, part.slice.records, current_step_, options_.diagnose_exogenous,
-                       start);
+    return findOptimum(part.program(), part.slice.records, current_step_,
+                       options_.diagnose_exogenous, start);
   };
   for (;;)
   {
-    explained->optimum = optimumOf(*explained);
-    if (!explained->optimum)
+    explained.optimum = optimumOf(explained);
+    if (!explained.optimum)
     {
-      explained->conflict =
-          conflictText(explained->program, explained->slice.records, current_step_);
+      explained.conflict =
+          conflictText(explained.program(), explained.slice.records, current_step_);
       return explained;
     }
-    start.level = explained->optimum->level;
+    start.level = explained.optimum->level;
     if (!rest)
     {
       break;
@@ -115,8 +108,8 @@ std::unique_ptr<RelevantPlanner::Explained> RelevantPlanner::explain(const Formu
     const std::optional<Optimum> other = optimumOf(*rest);
     if (!other)
     {
-      explained->optimum.reset();
-      explained->conflict = conflictText(rest->program, rest->slice.records, current_step_);
+      explained.optimum.reset();
+      explained.conflict = conflictText(rest->program(), rest->slice.records, current_step_);
       return explained;
     }
     if (other->level == start.level)
@@ -125,16 +118,16 @@ std::unique_ptr<RelevantPlanner::Explained> RelevantPlanner::explain(const Formu
     }
     start.level = other->level;
   }
-  explained->consequences =
-      std::make_unique<Consequences>(explained->slice.description, explained->program,
-                                     explained->slice.records, current_step_, *explained->optimum);
+  explained.consequences =
+      std::make_unique<Consequences>(explained.slice.domain->description(), explained.program(),
+                                     explained.slice.records, current_step_, *explained.optimum);
   return explained;
 }
 
 /// Whether a relevant fluent can have a value that stands for others like it.
 bool RelevantPlanner::mayBeSpare(const Explained& explained) const
 {
-  const Description& description = explained.slice.description;
+  const Description& description = explained.slice.domain->description();
   const std::set<std::string> spares(explained.slice.spares.begin(), explained.slice.spares.end());
   return std::any_of(explained.slice.relevant.begin(), explained.slice.relevant.end(),
                      [&](Literal literal) {
@@ -151,8 +144,7 @@ bool RelevantPlanner::mayBeSpare(const Explained& explained) const
   });
 }
 
-PlanResult RelevantPlanner::plan(const Formula& goal, const PlanOptions& options,
-                                 const std::atomic<bool>* cancel) const
+PlanResult RelevantPlanner::plan(const PlanOptions& options, const std::atomic<bool>* cancel) const
 {
   const std::clock_t start = std::clock();
   const Clock::time_point deadline = Clock::now() + options.time_limit;
@@ -168,21 +160,26 @@ PlanResult RelevantPlanner::plan(const Formula& goal, const PlanOptions& options
   const bool alike_matters = options.all || options.preference == PlanPreference::kCheapest;
   int horizon = alike_matters ? options.max_horizon : std::min(kFirstHorizon, options.max_horizon);
   bool leave_out = !options.all;
+  const SearchLimit limit{deadline, cancel};
+  std::optional<Explained> rest;
+  if (std::optional<Slice> slice = slicer_.forRest())
+  {
+    rest.emplace(std::move(*slice), limit);
+  }
   for (int widened = 0;; ++widened)
   {
-    const std::unique_ptr<Explained> explained =
-        explain(goal,
-                slicer_.forGoal(goal, leave_out ? std::optional<int>(horizon) : std::nullopt,
+    const Explained explained =
+        explain(slicer_.forGoal(leave_out ? std::optional<int>(horizon) : std::nullopt,
                                 options.extra_share),
-                {deadline, cancel});
-    const Slice& slice = explained->slice;
-    if (!explained->optimum)
+                rest ? &*rest : nullptr, limit);
+    const Slice& slice = explained.slice;
+    if (!explained.optimum)
     {
       PlanResult result;
-      result.reason = explained->conflict;
+      result.reason = explained.conflict;
       return finish(std::move(result), slice, widened);
     }
-    if (!slice.spares.empty() && mayBeSpare(*explained))
+    if (!slice.spares.empty() && mayBeSpare(explained))
     {
       leave_out = false;
       continue;
@@ -191,9 +188,9 @@ PlanResult RelevantPlanner::plan(const Formula& goal, const PlanOptions& options
     limited.max_horizon = slice.spares.empty() ? options.max_horizon : horizon;
     limited.time_limit =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
-    const Planner planner(slice.description, explained->program, slice.records, current_step_,
-                          *explained->optimum, *explained->consequences);
-    PlanResult result = planner.plan(goal, limited, cancel);
+    const Planner planner(*slice.domain, slice.records, current_step_, *explained.optimum,
+                          *explained.consequences);
+    PlanResult result = planner.plan(goal_, limited, cancel);
     if (result.goal_entailed || result.covers_all || limited.max_horizon == options.max_horizon)
     {
       return finish(std::move(result), slice, widened);

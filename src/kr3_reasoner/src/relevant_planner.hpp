@@ -26,23 +26,24 @@ class RelevantPlanner
 {
 public:
   /// All must outlive this.
-  RelevantPlanner(const GroundRules& rules, const std::vector<CheckedRecord>& records,
-                  int current_step, const ReasonerOptions& options);
+  RelevantPlanner(DomainKnowledge& whole, const std::vector<CheckedRecord>& records,
+                  int current_step, const Formula& goal);
 
   /// @throws as Reasoner::plan
-  [[nodiscard]] PlanResult plan(const Formula& goal, const PlanOptions& options,
-                                const std::atomic<bool>* cancel) const;
+  [[nodiscard]] PlanResult plan(const PlanOptions& options, const std::atomic<bool>* cancel) const;
 
 private:
   struct Explained;
 
-  [[nodiscard]] std::unique_ptr<Explained> explain(const Formula& goal, Slice slice,
-                                                   const SearchLimit& limit) const;
+  /// @param rest  what is explained apart, or nullptr
+  [[nodiscard]] Explained explain(Slice slice, const Explained* rest,
+                                  const SearchLimit& limit) const;
   [[nodiscard]] bool mayBeSpare(const Explained& explained) const;
 
   const std::vector<CheckedRecord>& records_;
   int current_step_;
   const ReasonerOptions& options_;
+  const Formula& goal_;
   Slicer slicer_;
 };
 

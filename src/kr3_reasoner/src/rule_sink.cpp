@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "solver.hpp"
+
 namespace kr3::reasoner
 {
 
@@ -14,6 +16,23 @@ Clingo::LiteralSpan span(const RuleSink::Body& body)
 }
 
 }  // namespace
+
+Clingo::Backend* RuleSink::backend()
+{
+  if (!backend_ && solver_ != nullptr)
+  {
+    backend_.emplace(solver_->control().backend());
+  }
+  return backend_ ? &*backend_ : nullptr;
+}
+
+SolverLiteral RuleSink::newAtom()
+{
+  ++num_atoms_;
+  Clingo::Backend* const to = backend();
+  return to != nullptr ? static_cast<SolverLiteral>(to->add_atom())
+                       : static_cast<SolverLiteral>(num_atoms_);
+}
 
 bool RuleSink::simplify(Body& body)
 {
@@ -37,7 +56,10 @@ void RuleSink::rule(bool choice, SolverLiteral head, Body body)
   if (simplify(body))
   {
     const auto atom = static_cast<Clingo::atom_t>(head);
-    backend_.rule(choice, {&atom, 1}, span(body));
+    if (Clingo::Backend* const to = backend())
+    {
+      to->rule(choice, {&atom, 1}, span(body));
+    }
     body.push_back(head);
     note(body);
   }
@@ -47,7 +69,10 @@ void RuleSink::constraint(Body body)
 {
   if (simplify(body))
   {
-    backend_.rule(false, {}, span(body));
+    if (Clingo::Backend* const to = backend())
+    {
+      to->rule(false, {}, span(body));
+    }
     note(body);
   }
 }
@@ -100,7 +125,10 @@ SolverLiteral RuleSink::disjunction(const Body& literals)
 void RuleSink::weightRule(bool choice, const std::vector<Clingo::atom_t>& head, int bound,
                           const std::vector<Clingo::WeightedLiteral>& body)
 {
-  backend_.weight_rule(choice, {head.data(), head.size()}, bound, {body.data(), body.size()});
+  if (Clingo::Backend* const to = backend())
+  {
+    to->weight_rule(choice, {head.data(), head.size()}, bound, {body.data(), body.size()});
+  }
   Body literals(head.begin(), head.end());
   for (const Clingo::WeightedLiteral& weighted : body)
   {
@@ -112,7 +140,10 @@ void RuleSink::weightRule(bool choice, const std::vector<Clingo::atom_t>& head, 
 void RuleSink::disjunctiveRule(const Body& heads, const Body& body)
 {
   const std::vector<Clingo::atom_t> atoms(heads.begin(), heads.end());
-  backend_.rule(false, {atoms.data(), atoms.size()}, span(body));
+  if (Clingo::Backend* const to = backend())
+  {
+    to->rule(false, {atoms.data(), atoms.size()}, span(body));
+  }
   Body literals = heads;
   literals.insert(literals.end(), body.begin(), body.end());
   note(literals);
@@ -156,7 +187,10 @@ void RuleSink::atMostOne(const Body& literals)
 
 void RuleSink::minimize(int priority, const std::vector<Clingo::WeightedLiteral>& literals)
 {
-  backend_.minimize(priority, {literals.data(), literals.size()});
+  if (Clingo::Backend* const to = backend())
+  {
+    to->minimize(priority, {literals.data(), literals.size()});
+  }
 }
 
 }  // namespace kr3::reasoner

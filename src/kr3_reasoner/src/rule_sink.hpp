@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <clingo.hh>
@@ -21,6 +22,8 @@ constexpr SolverLiteral kFalseLiteral = -kTrueLiteral;
   return literal == kTrueLiteral || literal == kFalseLiteral;
 }
 
+class Solver;
+
 /// Writes ground rules into a clingo control; constants are simplified away. Open only between two
 /// solver calls, as the backend it writes to. Private to the package.
 class RuleSink
@@ -34,11 +37,16 @@ public:
   {
   }
 
-  [[nodiscard]] SolverLiteral newAtom()
+  /// The same; the solver's control is only made when something is written.
+  explicit RuleSink(Solver& solver, AtomComponents* components = nullptr)
+    : solver_(&solver), components_(components)
   {
-    ++num_atoms_;
-    return static_cast<SolverLiteral>(backend_.add_atom());
   }
+
+  /// Counts only: for finding out whether everything is constant.
+  RuleSink() = default;
+
+  [[nodiscard]] SolverLiteral newAtom();
 
   /// An atom that may be true or false as it likes.
   [[nodiscard]] SolverLiteral newChoice();
@@ -81,8 +89,12 @@ private:
   /// Drops what is true. @return false when something is false
   [[nodiscard]] static bool simplify(Body& body);
 
-  Clingo::Backend backend_;
-  AtomComponents* components_;
+  /// @return nullptr when rules are only counted
+  [[nodiscard]] Clingo::Backend* backend();
+
+  Solver* solver_ = nullptr;
+  std::optional<Clingo::Backend> backend_;
+  AtomComponents* components_ = nullptr;
   std::size_t num_atoms_ = 0;
   std::size_t num_rules_ = 0;
 };

@@ -1,7 +1,6 @@
 #include "slice.hpp"
 
 #include <algorithm>
-#include <map>
 #include <set>
 #include <unordered_set>
 #include <utility>
@@ -21,57 +20,24 @@ bool isNumeric(const std::string& name)
 
 }  // namespace
 
-ProblemSize sizeOf(const Description& description, std::size_t num_records)
+Slicer::Slicer(DomainKnowledge& whole, const std::vector<CheckedRecord>& records, int current_step,
+               const Formula& goal)
+  : whole_(whole)
+  , rules_(whole.groundRules())
+  , records_(records)
+  , current_step_(current_step)
+  , goal_(goal)
+  , relevance_(rules_, records, current_step, Relevance::Purpose::kPlan)
 {
-  ProblemSize size;
-  std::unordered_set<std::string> constants;
-  std::map<std::string, std::size_t> elements;
-  for (const Sort& sort : description.sorts)
-  {
-    constants.insert(sort.elements.begin(), sort.elements.end());
-    elements[sort.name] = sort.elements.size();
-  }
-  const auto count = [&](const std::vector<std::string>& sorts) {
-    std::size_t product = 1;
-    for (const std::string& sort : sorts)
-    {
-      product *= elements[sort];
-    }
-    return product;
-  };
-  for (const FluentDeclaration& fluent : description.fluents)
-  {
-    size.fluents += fluent.kind == FluentKind::kStatic ? 0 : count(fluent.argument_sorts);
-  }
-  for (const ActionDeclaration& action : description.actions)
-  {
-    size.actions += action.exogenous ? 0 : count(action.argument_sorts);
-  }
-  size.constants = constants.size();
-  size.records = num_records;
-  return size;
-}
-
-Slicer::Slicer(const GroundRules& rules, const std::vector<CheckedRecord>& records,
-               int current_step)
-  : rules_(rules), records_(records), current_step_(current_step)
-{
-}
-
-Relevance Slicer::relevanceOf(const Formula& goal) const
-{
-  Relevance relevance(rules_, records_, current_step_, Relevance::Purpose::kPlan);
-  relevance.addGoal(goal);
-  relevance.close();
-  return relevance;
+  relevance_.addGoal(goal);
+  relevance_.close();
 }
 
 /// Asks for all fluents over a share of the constants that do not matter; these constants.
-std::vector<ConstantId> Slicer::addShare(Relevance& relevance, const Formula& goal,
-                                         double share) const
+std::vector<ConstantId> Slicer::addShare(Relevance& relevance, double share) const
 {
   Cut cut(*this, relevance);
-  cut.keepGoal(goal);
+  cut.keepGoal(goal_);
   cut.close();
   static_cast<void>(cut.leaveOutAlike(1));
   std::vector<bool> extra(rules_.numConstants(), false);
@@ -127,16 +93,11 @@ std::vector<ConstantId> Slicer::addShare(Relevance& relevance, const Formula& go
   return added;
 }
 
-Slice Slicer::forGoal(const Formula& goal, std::optional<int> horizon, double extra_share) const
+Slice Slicer::cutFor(const Relevance& relevance, const std::vector<ConstantId>& extra,
+                     std::optional<int> horizon) const
 {
-  Relevance relevance = relevanceOf(goal);
-  std::vector<ConstantId> extra;
-  if (extra_share > 0.0)
-  {
-    extra = addShare(relevance, goal, extra_share);
-  }
   Cut cut(*this, relevance);
-  cut.keepGoal(goal);
+  cut.keepGoal(goal_);
   for (const ConstantId constant : extra)
   {
     cut.need(constant);
@@ -152,29 +113,44 @@ Slice Slicer::forGoal(const Formula& goal, std::optional<int> horizon, double ex
   return slice;
 }
 
-std::optional<Slice> Slicer::forRest(const Formula& goal) const
+Slice Slicer::forGoal(std::optional<int> horizon, double extra_share) const
 {
-  const Relevance relevance = relevanceOf(goal);
-  Relevance rest(rules_, records_, current_step_, Relevance::Purpose::kExplain);
-  bool any = false;
+  if (extra_share <= 0.0)
+  {
+    return cutFor(relevance_, {}, horizon);
+  }
+  Relevance more(rules_, records_, current_step_, Relevance::Purpose::kPlan);
+  more.addGoal(goal_);
+  more.close();
+  const std::vector<ConstantId> extra = addShare(more, extra_share);
+  return cutFor(more, extra, horizon);
+}
+
+std::optional<Slice> Slicer::forRest() const
+{
+  std::vector<std::size_t> left;
   for (std::size_t i = 0; i < records_.size(); ++i)
   {
-    if (!relevance.concerns(i) && !relevance.isPlainFact(i))
+    if (!relevance_.concerns(i) && !relevance_.isPlainFact(i))
     {
-      rest.addRecord(i);
-      for (std::size_t j = 0; records_[i].isAction() && j < records_.size(); ++j)
-      {
-        if (records_[j].isAction() && records_[j].record.step == records_[i].record.step)
-        {
-          rest.addRecord(j);  // they may exclude each other
-        }
-      }
-      any = true;
+      left.push_back(i);
     }
   }
-  if (!any)
+  if (left.empty())
   {
     return std::nullopt;
+  }
+  Relevance rest(rules_, records_, current_step_, Relevance::Purpose::kExplain);
+  for (const std::size_t i : left)
+  {
+    rest.addRecord(i);
+    for (std::size_t j = 0; records_[i].isAction() && j < records_.size(); ++j)
+    {
+      if (records_[j].isAction() && records_[j].record.step == records_[i].record.step)
+      {
+        rest.addRecord(j);  // they may exclude each other
+      }
+    }
   }
   rest.close();
   Cut cut(*this, rest);
@@ -182,10 +158,9 @@ std::optional<Slice> Slicer::forRest(const Formula& goal) const
   return cut.take();
 }
 
-RelevantPart Slicer::report(const Formula& goal, int horizon) const
+RelevantPart Slicer::report(int horizon) const
 {
-  const Relevance relevance = relevanceOf(goal);
-  const std::vector<Relevance::Item>& items = relevance.items();
+  const std::vector<Relevance::Item>& items = relevance_.items();
   const auto text = [this](const Relevance::Item& item) {
     return item.is_action ? rules_.actionText(item.atom) : rules_.fluentText(item.atom);
   };
@@ -213,9 +188,9 @@ RelevantPart Slicer::report(const Formula& goal, int horizon) const
       }
     }
   }
-  const Slice slice = forGoal(goal, horizon, 0.0);
+  const Slice slice = forGoal(horizon, 0.0);
   const std::set<std::string> spares(slice.spares.begin(), slice.spares.end());
-  for (const Sort& sort : slice.description.sorts)
+  for (const Sort& sort : slice.domain->description().sorts)
   {
     for (const std::string& element : sort.elements)
     {
@@ -236,11 +211,6 @@ RelevantPart Slicer::report(const Formula& goal, int horizon) const
   part.considered = slice.size;
   part.whole = wholeSize();
   return part;
-}
-
-ProblemSize Slicer::wholeSize() const
-{
-  return sizeOf(rules_.description(), records_.size());
 }
 
 }  // namespace kr3::reasoner

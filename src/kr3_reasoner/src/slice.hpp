@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "domain_knowledge.hpp"
 #include "relevance.hpp"
 
 namespace kr3::reasoner
@@ -12,7 +14,7 @@ namespace kr3::reasoner
 /// the package.
 struct Slice
 {
-  Description description;
+  std::shared_ptr<DomainKnowledge> domain;  ///< shared with earlier slices of the same content
   std::vector<CheckedRecord> records;
   ProblemSize size;
 
@@ -22,41 +24,41 @@ struct Slice
   std::vector<Literal> relevant;  ///< the relevant fluents, as literals with an empty value
 };
 
-/// Cuts slices out of a description with a history.
+/// Cuts slices for a goal out of a description with a history.
 class Slicer
 {
 public:
   /// All must outlive this.
-  Slicer(const GroundRules& rules, const std::vector<CheckedRecord>& records, int current_step);
+  Slicer(DomainKnowledge& whole, const std::vector<CheckedRecord>& records, int current_step,
+         const Formula& goal);
 
-  /// What can matter to a goal.
+  /// What can matter to the goal.
   /// @param horizon  longest plan that is wanted, for leaving out constants that are all alike;
   ///                 without it none is left out
-  [[nodiscard]] Slice forGoal(const Formula& goal, std::optional<int> horizon,
-                              double extra_share) const;
+  [[nodiscard]] Slice forGoal(std::optional<int> horizon, double extra_share) const;
 
-  /// The records that the last call of forGoal left out and that need an explanation of their own,
-  /// with what that can depend on. Nothing when all of them are plain facts.
-  [[nodiscard]] std::optional<Slice> forRest(const Formula& goal) const;
+  /// The records that do not matter to the goal and that need an explanation of their own, with
+  /// what that can depend on. Nothing when all of them are plain facts.
+  [[nodiscard]] std::optional<Slice> forRest() const;
 
   /// As forGoal, with the reasons.
-  [[nodiscard]] RelevantPart report(const Formula& goal, int horizon) const;
+  [[nodiscard]] RelevantPart report(int horizon) const;
 
-  [[nodiscard]] ProblemSize wholeSize() const;
+  [[nodiscard]] ProblemSize wholeSize() const { return whole_.size(records_.size()); }
 
 private:
   class Cut;
 
-  [[nodiscard]] Relevance relevanceOf(const Formula& goal) const;
-  [[nodiscard]] std::vector<ConstantId> addShare(Relevance& relevance, const Formula& goal,
-                                                 double share) const;
+  [[nodiscard]] Slice cutFor(const Relevance& relevance, const std::vector<ConstantId>& extra,
+                             std::optional<int> horizon) const;
+  [[nodiscard]] std::vector<ConstantId> addShare(Relevance& relevance, double share) const;
 
+  DomainKnowledge& whole_;
   const GroundRules& rules_;
   const std::vector<CheckedRecord>& records_;
   int current_step_;
+  const Formula& goal_;
+  Relevance relevance_;  // of the goal
 };
-
-/// Ground fluents, constants, actions and records.
-[[nodiscard]] ProblemSize sizeOf(const Description& description, std::size_t num_records);
 
 }  // namespace kr3::reasoner

@@ -48,7 +48,8 @@ bool isNumeric(const std::string& name)
 }  // namespace
 
 Slicer::Cut::Cut(const Slicer& slicer, const Relevance& relevance)
-  : rules_(slicer.rules_)
+  : whole_(slicer.whole_)
+  , rules_(slicer.rules_)
   , records_(slicer.records_)
   , current_step_(slicer.current_step_)
   , relevance_(relevance)
@@ -140,11 +141,10 @@ void Slicer::Cut::need(ConstantId constant)
   }
 }
 
-Slice Slicer::Cut::take() const
+Description Slicer::Cut::description() const
 {
   const Description& whole = rules_.description();
-  Slice slice;
-  Description& part = slice.description;
+  Description part;
   for (const Sort& sort : whole.sorts)
   {
     part.sorts.push_back({sort.name, {}, sort.member_sorts, sort.position});
@@ -197,6 +197,30 @@ Slice Slicer::Cut::take() const
       part.preferences.push_back(preference);
     }
   }
+  return part;
+}
+
+/// What decides over the content.
+SliceStore::Key Slicer::Cut::key() const
+{
+  SliceStore::Key key;
+  for (const auto* kept : {&fluent_kept_, &action_kept_, &rule_kept_})
+  {
+    key.insert(key.end(), kept->begin(), kept->end());
+  }
+  for (std::size_t constant = 0; constant < needed_.size(); ++constant)
+  {
+    key.push_back(keeps(static_cast<ConstantId>(constant)));
+  }
+  return key;
+}
+
+Slice Slicer::Cut::take() const
+{
+  const Description& whole = rules_.description();
+  Slice slice;
+  slice.domain = whole_.slices().find(
+      key(), [this] { return std::make_shared<DomainKnowledge>(description(), whole_.options()); });
   slice.records = marked(records_, record_kept_);
   for (const Relevance::Item& item : relevance_.items())
   {
@@ -211,7 +235,7 @@ Slice Slicer::Cut::take() const
       slice.relevant.push_back(std::move(literal));
     }
   }
-  slice.size = sizeOf(part, slice.records.size());
+  slice.size = slice.domain->size(slice.records.size());
   return slice;
 }
 

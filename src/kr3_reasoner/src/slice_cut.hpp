@@ -32,6 +32,8 @@ public:
   [[nodiscard]] Slice take() const;
 
 private:
+  [[nodiscard]] SliceStore::Key key() const;
+  [[nodiscard]] Description description() const;
   void needAll(const std::vector<ConstantId>& constants);
 
   void keepItems();
@@ -69,6 +71,7 @@ private:
 
   void copyRule(const GroundableRule& rule, Description& part) const;
 
+  DomainKnowledge& whole_;
   const GroundRules& rules_;
   const std::vector<CheckedRecord>& records_;
   int current_step_;

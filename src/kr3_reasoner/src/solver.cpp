@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <utility>
 
 #include <kr3_common/error.hpp>
 
@@ -23,30 +24,39 @@ private:
   const SearchLimit& limit_;
 };
 
-Solver::Solver(const std::vector<std::string>& arguments, const SearchLimit& limit)
-  : messages_(std::make_unique<std::string>())
+Solver::Solver(std::vector<std::string> arguments, const SearchLimit& limit)
+  : arguments_(std::move(arguments)), messages_(std::make_unique<std::string>()), limit_(limit)
 {
-  std::vector<const char*> pointers;
-  for (const std::string& argument : arguments)
-  {
-    pointers.push_back(argument.c_str());
-  }
-  control_ = std::make_unique<Clingo::Control>(
-      Clingo::StringSpan(pointers.data(), pointers.size()),
-      [messages = messages_.get()](Clingo::WarningCode, const char* message) {
-    messages->append(message).append("\n");
-      },
-      20);
-  limitTo(limit);
 }
 
 Solver::~Solver() = default;
+
+Clingo::Control& Solver::control()
+{
+  if (!control_)
+  {
+    constexpr unsigned kMostMessages = 20;
+    std::vector<const char*> pointers;
+    for (const std::string& argument : arguments_)
+    {
+      pointers.push_back(argument.c_str());
+    }
+    control_ = std::make_unique<Clingo::Control>(
+        Clingo::StringSpan(pointers.data(), pointers.size()),
+        [messages = messages_.get()](Clingo::WarningCode, const char* message) {
+      messages->append(message).append("\n");
+        },
+        kMostMessages);
+    limitTo(limit_);
+  }
+  return *control_;
+}
 
 void Solver::limitTo(const SearchLimit& limit)
 {
   watch_.reset();
   limit_ = limit;
-  if (limit_.isSet())
+  if (limit_.isSet() && control_)
   {
     watch_ = std::make_unique<SolveWatch>(*control_, limit_);
   }
@@ -62,7 +72,7 @@ void Solver::add(const std::string& part, const std::vector<std::string>& parame
   }
   try
   {
-    control_->add(part.c_str(), Clingo::StringSpan(names.data(), names.size()), program.c_str());
+    control().add(part.c_str(), Clingo::StringSpan(names.data(), names.size()), program.c_str());
   }
   catch (const std::exception& e)
   {
@@ -91,11 +101,11 @@ void Solver::ground(const std::vector<Part>& parts)
   if (limit_.isSet() && !grounding_limit_)
   {
     grounding_limit_ = std::make_unique<GroundingLimit>(limit_);
-    control_->register_observer(*grounding_limit_);
+    control().register_observer(*grounding_limit_);
   }
   try
   {
-    control_->ground(Clingo::PartSpan(ground_parts.data(), ground_parts.size()));
+    control().ground(Clingo::PartSpan(ground_parts.data(), ground_parts.size()));
   }
   catch (const std::exception& e)
   {
@@ -110,7 +120,7 @@ bool Solver::solve(const std::function<bool(const Clingo::Model&)>& visit,
   limit_.check();
   bool found = false;
   auto handle =
-      control_->solve(Clingo::LiteralSpan(assumed.data(), assumed.size()), nullptr, false, true);
+      control().solve(Clingo::LiteralSpan(assumed.data(), assumed.size()), nullptr, false, true);
   for (const Clingo::Model& model : handle)
   {
     found = true;
@@ -130,7 +140,8 @@ bool Solver::isSatisfiable(const std::vector<Clingo::literal_t>& assumed)
 {
   limit_.check();
   const Clingo::SolveResult result =
-      control_->solve(Clingo::LiteralSpan(assumed.data(), assumed.size()), nullptr, false, false)
+      control()
+          .solve(Clingo::LiteralSpan(assumed.data(), assumed.size()), nullptr, false, false)
           .get();
   if (!result.is_satisfiable() && result.is_interrupted())
   {
@@ -147,7 +158,7 @@ void Solver::failAfterInterrupt() const
 
 void Solver::configure(const std::string& key, const std::string& value)
 {
-  Clingo::Configuration node = control_->configuration();
+  Clingo::Configuration node = control().configuration();
   std::size_t start = 0;
   while (start <= key.size())
   {

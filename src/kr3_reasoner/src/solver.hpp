@@ -19,7 +19,7 @@ class Solver
 {
 public:
   /// @param limit  of all that the solver does, until limitTo() gives another one
-  explicit Solver(const std::vector<std::string>& arguments, const SearchLimit& limit = {});
+  explicit Solver(std::vector<std::string> arguments, const SearchLimit& limit = {});
 
   ~Solver();
   Solver(Solver&&) = delete;
@@ -29,7 +29,8 @@ public:
 
   void limitTo(const SearchLimit& limit);
 
-  [[nodiscard]] Clingo::Control& control() { return *control_; }
+  /// Made when it is first asked for: what turns out to be constant needs none.
+  [[nodiscard]] Clingo::Control& control();
 
   void add(const std::string& part, const std::vector<std::string>& parameters,
            const std::string& program);
@@ -61,6 +62,7 @@ private:
 
   [[noreturn]] void failAfterInterrupt() const;
 
+  std::vector<std::string> arguments_;
   std::unique_ptr<std::string> messages_;  // the logger keeps its address
   SearchLimit limit_;
   std::unique_ptr<GroundingLimit> grounding_limit_;  // the control keeps its address

@@ -1,11 +1,17 @@
+#include <cstdint>
+#include <cstdlib>
+#include <random>
 #include <set>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include <kr3_common/error.hpp>
+
 #include "kr3_reasoner/reasoner.hpp"
 #include "support.hpp"
+#include "support/random_case.hpp"
 
 namespace kr3::reasoner
 {
@@ -126,6 +132,136 @@ TEST_P(WarmAnswers, AreTheSameAfterAHistoryIsReplacedAndComesBack)
   EXPECT_NE(answers(reasoner, story_.goal), before);
   reasoner.setHistory(records);
   EXPECT_EQ(answers(reasoner, story_.goal), before);
+}
+
+/// What is asked of a plan: whatever the plan, these are the same for every reasoner.
+std::string planned(const Reasoner& reasoner, const std::string& goal, const PlanOptions& options)
+{
+  const PlanResult result = reasoner.plan(goal, options);
+  std::string text = result.goal_entailed ? "entailed;" : result.covers_all ? "all;" : "";
+  std::set<std::size_t> lengths;
+  for (const Plan& plan : result.plans)
+  {
+    lengths.insert(plan.steps.size());
+  }
+  for (const std::size_t length : lengths)
+  {
+    text += " " + std::to_string(length) + " steps";
+  }
+  return text + (result.reason.find("inconsistent") != std::string::npos ? " inconsistent" : "");
+}
+
+std::string entailed(const Reasoner& reasoner)
+{
+  return reasoner.diagnose().consistent ? literals(reasoner.entailedAt(reasoner.currentStep()))
+                                        : "inconsistent";
+}
+
+/// A literal of each fluent that is not static, over the first elements of its sorts; and its
+/// negation.
+std::vector<std::string> someGoals(const Description& description)
+{
+  std::vector<std::string> goals;
+  for (const FluentDeclaration& fluent : description.fluents)
+  {
+    std::string text = fluent.name;
+    const char* separator = "(";
+    bool is_empty = fluent.kind == FluentKind::kStatic;
+    const auto first = [&](const std::string& sort) {
+      const std::vector<std::string>& elements = description.findSort(sort)->elements;
+      is_empty = is_empty || elements.empty();
+      return elements.empty() ? std::string() : elements.front();
+    };
+    for (const std::string& sort : fluent.argument_sorts)
+    {
+      text += separator + first(sort);
+      separator = ", ";
+    }
+    text += fluent.argument_sorts.empty() ? "" : ")";
+    text += fluent.value_sort ? " = " + first(*fluent.value_sort) : "";
+    if (!is_empty)
+    {
+      goals.insert(goals.end(), {text, "not " + text});
+    }
+  }
+  return goals;
+}
+
+/// Records, questions, suppositions and plans in random order, in a random domain: each answer is
+/// that of a reasoner that was never asked before. Cases and first seed: KR3_REASONER_CASES (12)
+/// and KR3_REASONER_SEED (1).
+TEST(WarmAnswersAtRandom, AreThoseOfAFreshReasonerWhateverWasAskedBefore)
+{
+  const char* const cases_text = std::getenv("KR3_REASONER_CASES");
+  const char* const seed_text = std::getenv("KR3_REASONER_SEED");
+  const std::uint64_t cases = cases_text == nullptr ? 12 : std::stoul(cases_text);
+  const std::uint64_t first = seed_text == nullptr ? 1 : std::stoul(seed_text);
+  constexpr int kQuestions = 10;
+  std::size_t num_plans = 0;
+  for (std::uint64_t seed = first; seed < first + cases && !testing::Test::HasFailure(); ++seed)
+  {
+    CaseSize size;
+    size.max_places = 2;
+    size.max_steps = 1;
+    const RandomCase drawn = randomCase(seed, size);
+    SCOPED_TRACE(toString(drawn));
+    const Description description = parseDescription(drawn.description, "random");
+    const std::vector<Record> records = parseHistory(drawn.history, "history", description);
+    Reasoner warm(description, drawn.options);
+    std::vector<Record> known;
+    const std::vector<std::string> goals = someGoals(description);
+    std::mt19937_64 random(seed);
+    const auto fresh = [&] {
+      Reasoner reasoner(description, drawn.options);
+      reasoner.setHistory(known);
+      return reasoner;
+    };
+    for (int i = 0; i < kQuestions; ++i)
+    {
+      const Record* const drawn_record =
+          records.empty() ? nullptr : &records[random() % records.size()];
+      switch (random() % 4)
+      {
+        case 0:
+          if (drawn_record != nullptr)
+          {
+            warm.addRecords({*drawn_record});
+            known.push_back(*drawn_record);
+          }
+          break;
+        case 1:
+          EXPECT_EQ(entailed(warm), entailed(fresh()));
+          break;
+        case 2:
+          if (drawn_record != nullptr)
+          {
+            EXPECT_EQ(entailed(warm.supposing({*drawn_record})),
+                      entailed(fresh().supposing({*drawn_record})));
+          }
+          break;
+        default:
+        {
+          PlanOptions options;
+          options.max_horizon = 1 + static_cast<int>(random() % 3);
+          options.relevant_only = random() % 2 == 0;
+          options.preference = static_cast<PlanPreference>(random() % 3);
+          const std::string& goal = goals[random() % goals.size()];
+          SCOPED_TRACE(goal);
+          options.time_limit = std::chrono::milliseconds(500);
+          try
+          {
+            EXPECT_EQ(planned(warm, goal, options), planned(fresh(), goal, options));
+            ++num_plans;
+          }
+          catch (const DeadlineExceeded&)
+          {
+            // where luck is involved, very many plans may have to be refused
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(num_plans, cases);
 }
 
 INSTANTIATE_TEST_SUITE_P(Stories, WarmAnswers, testing::Values(0, 1, 2));

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <optional>
+
+#include "plan_program.hpp"
+
+namespace kr3::reasoner
+{
+
+/// The state that a plan leads to; nothing when it depends on what is open in the state before, or
+/// on luck, whether the plan can be executed, or where it leads. Needs no solver. Private to the
+/// package.
+/// @param state  constants, and literals of any program for what is open
+[[nodiscard]] std::optional<StateLiterals> stateAfter(const PlanSteps& steps, StateLiterals state,
+                                                      Dynamics& dynamics);
+
+}  // namespace kr3::reasoner
