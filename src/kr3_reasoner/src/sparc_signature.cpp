@@ -24,8 +24,20 @@ public:
   Signature run()
   {
     findKinds();
+    if (result_.step_sort.empty())
+    {
+      problems_.push_back(
+          {program_.rules.empty() ? SourcePosition{} : program_.rules[0].position,
+           "found no declarations holds(#fluent, #step) and occurs(#action, #step), "
+           "expected a program about actions"});
+    }
     writeSorts();
     writeDeclarations();
+    for (const auto& name : fluent_sorts_)
+    {
+      addFluentsOf(name, name);
+    }
+    result_.action_sorts = action_sorts_;
     return std::move(result_);
   }
 
@@ -68,6 +80,7 @@ private:
     // -holds(F,I) :- #defined_fluent(F), not holds(F,I).
     for (const Rule& rule : program_.rules)
     {
+      closed_fluents_.insert(closedFluent(rule));
       const auto closed =
           std::find_if(rule.body.begin(), rule.body.end(), [](const Literal& literal) {
             return literal.is_default_negated && isAtom(literal, "holds", 2);
@@ -87,7 +100,40 @@ private:
     }
   }
 
+  /// Adds the fluents of a sort, and of those it is the union of, to those of `of`.
+  void addFluentsOf(const std::string& name, const std::string& of)
+  {
+    std::set<std::string> leaves;
+    addLeaves(name, leaves);
+    for (const std::string& leaf : leaves)
+    {
+      for (const sparc::SortPart& part : sortNamed(leaf)->parts)
+      {
+        result_.fluents_of[of].insert(part.elements.begin(), part.elements.end());
+        if (!part.function.name.empty())
+        {
+          result_.fluents_of[of].insert(part.function.name);
+        }
+      }
+    }
+  }
+
   // ---- Declarations
+
+  void addElements(const std::string& name, std::vector<std::string>& elements, int depth = 0) const
+  {
+    constexpr int kMaxDepth = 50;
+    const sparc::Sort* sort = sortNamed(name);
+    if (sort == nullptr || depth > kMaxDepth)
+    {
+      return;
+    }
+    for (const sparc::SortPart& part : sort->parts)
+    {
+      elements.insert(elements.end(), part.elements.begin(), part.elements.end());
+      addElements(part.sort, elements, depth + 1);
+    }
+  }
 
   void writeSorts()
   {
@@ -112,6 +158,7 @@ private:
         }
       }
       result_.sorts.push_back(sort.name + " = " + joined(parts, " + "));
+      addElements(sort.name, result_.elements[sort.name]);
     }
   }
 
@@ -149,9 +196,11 @@ private:
     }
     for (const sparc::Predicate& predicate : program_.predicates)
     {
-      static const std::set<std::string> kKnown = {"holds", "occurs", "success", "goal",
-                                                   "something_happened"};
-      if (kKnown.count(predicate.name) == 0)
+      static const std::set<std::string> kKnown = {
+          "holds", "occurs", "success", "goal",       "something_happened",
+          "obs",   "hpd",    "attempt", "impossible", "current_step"};
+      if (kKnown.count(predicate.name) == 0 && !isAbnormality(predicate.name) &&
+          !isAboutSteps(predicate))
       {
         result_.static_names.insert(predicate.name);
         result_.statics.push_back(predicate.sorts.empty()
@@ -161,13 +210,48 @@ private:
     }
   }
 
+  [[nodiscard]] bool isDefined(const std::string& fluent, const sparc::Sort& sort) const
+  {
+    return defined_sorts_.count(sort.name) > 0 || closed_fluents_.count(fluent) > 0;
+  }
+
+  /// A predicate of the general axioms: it is about actions, fluents or steps.
+  [[nodiscard]] bool isAboutSteps(const sparc::Predicate& predicate) const
+  {
+    return std::any_of(predicate.sorts.begin(), predicate.sorts.end(),
+                       [&](const std::string& sort) {
+      return sort == result_.step_sort || action_sorts_.count(sort) > 0 ||
+             fluent_sorts_.count(sort) > 0;
+    });
+  }
+
+  /// By convention: #exogenous_action, #exo_action, #physical_exogenous_action.
+  static bool isExogenous(const std::string& sort)
+  {
+    return sort.find("exogenous") != std::string::npos || sort.rfind("exo_", 0) == 0;
+  }
+
   void declare(const Term& function, const sparc::Sort& sort, bool is_action)
   {
-    (is_action ? result_.actions : result_.fluents)
-        .push_back((is_action                             ? ""
-                    : defined_sorts_.count(sort.name) > 0 ? "defined "
-                                                          : "inertial ") +
-                   signatureText(function));
+    const std::string text = signatureText(function);
+    if (is_action)
+    {
+      result_.actions.push_back((isExogenous(sort.name) ? "exogenous " : "") + text);
+    }
+    else if (isDefined(function.name, sort))
+    {
+      result_.defined.insert(function.name);
+      result_.fluents.push_back("defined " + text);
+    }
+    else
+    {
+      for (const Term& argument : function.arguments)
+      {
+        result_.inertial[function.name].push_back(argument.name);
+      }
+      result_.inertial[function.name];
+      result_.fluents.push_back("inertial " + text);
+    }
   }
 
   /// `put(#block(X), #location(Y)) : X != Y` keeps some instances out.
@@ -179,12 +263,22 @@ private:
     }
     const bool simple = part.conditions.size() == 1 && part.conditions[0].relation == "!=" &&
                         part.variables.size() == part.function.arguments.size();
-    if (!simple || (!is_action && defined_sorts_.count(sort.name) > 0))
+    if (!simple)
     {
       problems_.push_back({sort.position, "found a condition on the instances of " +
-                                              part.function.name +
-                                              ", expected one X != Y of an action or inertial "
-                                              "fluent"});
+                                              part.function.name + ", expected one X != Y"});
+      return;
+    }
+    if (!is_action && isDefined(part.function.name, sort))
+    {
+      const auto place = [&](const std::string& variable) {
+        const auto found =
+            std::find_if(part.variables.begin(), part.variables.end(),
+                         [&](const Term& argument) { return argument.name == variable; });
+        return static_cast<std::size_t>(found - part.variables.begin());
+      };
+      result_.unequal[part.function.name] = {place(part.conditions[0].atom.name),
+                                             place(part.conditions[0].right.name)};
       return;
     }
     Term instance = part.function;
@@ -199,6 +293,7 @@ private:
   std::set<std::string> fluent_sorts_;
   std::set<std::string> action_sorts_;
   std::set<std::string> defined_sorts_;
+  std::set<std::string> closed_fluents_;
   Signature result_;
 };
 

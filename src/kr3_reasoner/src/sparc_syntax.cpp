@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cstddef>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "sparc_tokens.hpp"
@@ -111,6 +112,10 @@ private:
       constants_[name] = word("a number");
       expect(".");
     }
+    else if (peek().text == "#maxint")
+    {
+      skipStatement();  // KR3 has no bound on numbers to be told
+    }
     else if (section == "sorts")
     {
       sort();
@@ -125,14 +130,19 @@ private:
     }
     else if (section == "display")
     {
-      while (!peek().text.empty() && !accept("."))
-      {
-        ++at_;
-      }
+      skipStatement();
     }
     else
     {
       throw Refusal{peek(), "'sorts', 'predicates' or 'rules'"};
+    }
+  }
+
+  void skipStatement()
+  {
+    while (!peek().text.empty() && !accept("."))
+    {
+      ++at_;
     }
   }
 
@@ -271,7 +281,8 @@ private:
     {
       throw Refusal{peek(), "a term that is nested less"};
     }
-    result.name = (accept("-") ? "-" : "") + constant("a term");
+    const bool negative = accept("-");
+    result.name = (negative ? "-" : "") + constant("a term");
     result.is_variable = std::isupper(static_cast<unsigned char>(result.name[0])) != 0;
     if (!result.is_variable && accept("(") && !accept(")"))
     {
@@ -294,6 +305,11 @@ private:
 
   Literal literal()
   {
+    static const std::set<std::string> kAggregates = {"#count", "#sum", "#min", "#max"};
+    if (kAggregates.count(peek().text) > 0)
+    {
+      throw Refusal{peek(), "an atom or a comparison: aggregates are not in the subset"};
+    }
     Literal result;
     result.is_default_negated = accept("not");
     result.is_negative = accept("-");
@@ -310,18 +326,50 @@ private:
     return result;
   }
 
+  /// `1 {occurs(A, I) : #action(A)} 1`
+  void choice(Rule& rule)
+  {
+    rule.is_choice = true;
+    at_ += peek().text == "{" ? 0 : 1;
+    expect("{");
+    while (peek().text != "}")
+    {
+      rule.head.push_back(literal());
+      while (!peek().text.empty() && peek().text != ";" && peek().text != "}")
+      {
+        ++at_;
+      }
+      if (!accept(";") && peek().text != "}")
+      {
+        throw Refusal{peek(), "'}'"};
+      }
+    }
+    expect("}");
+    at_ += peek().isWord() ? 1 : 0;
+  }
+
   void rule()
   {
     Rule rule;
     rule.position = {file_, peek().line, peek().column};
-    if (peek().text != ":-")
+    static const std::set<std::string> kPreferences = {":~", "#minimize", "#maximize"};
+    if (kPreferences.count(peek().text) > 0)
+    {
+      throw Refusal{peek(), "a rule: KR3 minimizes explanations and plans itself (see cost)"};
+    }
+    if (peek().text == "{" || (peek().isWord() && peek(1).text == "{"))
+    {
+      choice(rule);
+    }
+    else if (peek().text != ":-")
     {
       do
       {
         rule.head.push_back(literal());
       } while (accept("|"));
     }
-    if (accept(":-"))
+    rule.restores_consistency = peek().text == ":+";
+    if ((accept(":-") || accept(":+")) && peek().text != ".")
     {
       do
       {

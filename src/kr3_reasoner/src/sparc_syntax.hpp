@@ -33,12 +33,15 @@ struct Literal
   Term right;
 };
 
-/// `head :- body.` with a disjunction of literals as the head.
+/// `head :- body.` with a disjunction of literals as the head, `head :+ body.` of CR-Prolog, or
+/// `1 {l1 : ...; l2 : ...} 1 :- body.`, of which the literals are kept.
 struct Rule
 {
   std::vector<Literal> head;
   std::vector<Literal> body;
   SourcePosition position;
+  bool is_choice = false;
+  bool restores_consistency = false;  ///< `:+`
 };
 
 /// One summand of a sort: a set of constants and numbers, another sort, or `f(#s1(X), #s2(Y)) : X

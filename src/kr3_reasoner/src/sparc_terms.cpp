@@ -1,5 +1,6 @@
 #include "sparc_terms.hpp"
 
+#include <set>
 #include <vector>
 
 #include "print_text.hpp"
@@ -11,6 +12,32 @@ bool isAtom(const Literal& literal, const std::string& name, std::size_t arity)
 {
   return literal.relation.empty() && literal.atom.name == name &&
          literal.atom.arguments.size() == arity;
+}
+
+bool isAbnormality(const std::string& name)
+{
+  return name.rfind("ab", 0) == 0 &&
+         (name.size() == 2 || name[2] == '_' || (name[2] >= '0' && name[2] <= '9'));
+}
+
+std::string closedFluent(const Rule& rule)
+{
+  if (rule.head.size() != 1 || rule.body.size() != 1 || !isAtom(rule.head[0], "holds", 2) ||
+      !rule.head[0].is_negative || rule.body[0].is_negative || !rule.body[0].is_default_negated ||
+      !(rule.head[0].atom == rule.body[0].atom))
+  {
+    return "";
+  }
+  const std::vector<Term>& arguments = rule.head[0].atom.arguments;
+  std::set<std::string> variables;
+  for (const Term& argument : arguments[0].arguments)
+  {
+    if (!argument.is_variable || !variables.insert(argument.name).second)
+    {
+      return "";
+    }
+  }
+  return arguments[0].is_variable || !arguments[1].is_variable ? "" : arguments[0].name;
 }
 
 std::string text(const Term& term)

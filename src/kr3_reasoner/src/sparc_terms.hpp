@@ -25,6 +25,13 @@ struct Step
 /// Whether a literal is `[not] [-] name(...)` with so many arguments.
 [[nodiscard]] bool isAtom(const Literal& literal, const std::string& name, std::size_t arity);
 
+/// Whether a predicate names the exceptions to a default, by convention: `ab`, `ab_d1`, `ab1`.
+[[nodiscard]] bool isAbnormality(const std::string& name);
+
+/// The fluent f of `-holds(f(X, Y), I) :- not holds(f(X, Y), I).`, which is false unless a rule
+/// says otherwise; empty of any other rule.
+[[nodiscard]] std::string closedFluent(const Rule& rule);
+
 /// A term in KR3's language. @throws Refusal  arithmetic, or functions in functions
 [[nodiscard]] std::string text(const Term& term);
 

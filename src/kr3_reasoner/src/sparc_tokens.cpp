@@ -39,7 +39,7 @@ std::vector<Token> tokensOf(std::string_view text)
     }
     else if (i < text.size())
     {
-      for (const char* two : {":-", ":+", "..", "!=", "<=", ">="})
+      for (const char* two : {":-", ":+", ":~", "..", "!=", "<=", ">="})
       {
         i += text.substr(begin, 2) == two ? 1 : 0;
       }
