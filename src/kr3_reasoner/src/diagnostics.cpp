@@ -25,6 +25,16 @@ std::string toString(const Diagnostic& problem)
          problem.message;
 }
 
+std::string withoutNul(const std::string& text)
+{
+  std::string shown;
+  for (const char c : text)
+  {
+    shown += c == '\0' ? std::string("\\x00") : std::string(1, c);
+  }
+  return shown;
+}
+
 void throwIfAny(std::vector<Diagnostic> problems, const std::vector<std::string>& files)
 {
   constexpr std::size_t kMaxReported = 1000;
@@ -47,7 +57,7 @@ void throwIfAny(std::vector<Diagnostic> problems, const std::vector<std::string>
   {
     text += "\n... and " + std::to_string(problems.size() - kMaxReported) + " more problems";
   }
-  throw InvalidArgument(text);
+  throw InvalidArgument(withoutNul(text));
 }
 
 }  // namespace kr3::reasoner

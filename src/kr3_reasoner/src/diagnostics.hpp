@@ -17,6 +17,9 @@ namespace kr3::reasoner
 /// "file:line:column: message".
 [[nodiscard]] std::string toString(const Diagnostic& problem);
 
+/// The text with each NUL byte as `\x00`: the message of an exception ends at the first one.
+[[nodiscard]] std::string withoutNul(const std::string& text);
+
 /// One line "file:line:column: message" for each problem, in the order of their places; the first
 /// 1000 and how many there are more.
 ///

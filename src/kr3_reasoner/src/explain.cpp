@@ -79,7 +79,8 @@ Reason Explainer::leafOf(const CitedItem& item) const
     {
       const CheckedRecord& checked = records_[item.number];
       reason.kind = checked.isAction() ? ReasonKind::kHappened : ReasonKind::kObserved;
-      reason.statement = checked.isAction() ? toString(checked.action) : toString(checked.literal);
+      reason.statement =
+          checked.isAction() ? toString(checked.action) : words_.text(checked.literal);
       reason.step = checked.record.step;
       reason.record = item.number;
       reason.position = checked.record.position;
@@ -129,7 +130,7 @@ std::optional<Explainer::Argument> Explainer::argue(const Cited& kept, const Lit
   }
   Argument cases;
   cases.root.kind = ReasonKind::kCases;
-  cases.root.statement = toString(literal);
+  cases.root.statement = words_.text(literal);
   cases.root.step = step;
   cases.root.sentence = cases.root.statement + " at step " + std::to_string(step) +
                         " in each of the cases that are left";
@@ -146,7 +147,7 @@ Explainer::Argument Explainer::together(const Cited& kept, const Literal& litera
 {
   Argument argument;
   argument.cited = kept;
-  argument.root.statement = toString(literal);
+  argument.root.statement = words_.text(literal);
   argument.root.step = step;
   argument.root.sentence = argument.root.statement + " at step " + std::to_string(step) +
                            " follows from these records together with the description";

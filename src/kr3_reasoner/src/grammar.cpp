@@ -1,7 +1,10 @@
 #include "grammar.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <set>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include <tao/pegtl.hpp>
@@ -121,14 +124,27 @@ struct Control : pegtl::normal<Matched>
 
 std::string expectedOf(const std::vector<const char*>& tried)
 {
-  const std::set<std::string_view> expected(tried.begin(), tried.end());
-  std::string text;
-  std::size_t index = 0;
-  for (const std::string_view token : expected)
+  const std::set<std::string_view> tokens(tried.begin(), tried.end());
+  std::vector<std::string_view> expected;
+  for (std::string_view names : tokens)  // a token may stand for several: "'<', '<=' or '>='"
   {
-    text += index == 0 ? "" : index + 1 == expected.size() ? " or " : ", ";
-    text += token;
-    ++index;
+    while (!names.empty())
+    {
+      const std::size_t end = std::min(names.find(", "), names.find(" or "));
+      const std::string_view name = names.substr(0, end);
+      if (std::find(expected.begin(), expected.end(), name) == expected.end())
+      {
+        expected.push_back(name);
+      }
+      names.remove_prefix(end == std::string_view::npos ? names.size()
+                                                        : end + (names[end] == ',' ? 2 : 4));
+    }
+  }
+  std::string text;
+  for (std::size_t i = 0; i < expected.size(); ++i)
+  {
+    text += i == 0 ? "" : i + 1 == expected.size() ? " or " : ", ";
+    text += expected[i];
   }
   return text;
 }

@@ -362,11 +362,19 @@ std::string GroundRules::literalText(const RuleLiteral& literal, const RuleBindi
 {
   const std::string fluent = fluentText(bound(literal, binding));
   const ConstantId value = bound(literal.value, binding);
-  if (!description_.fluents[literal.symbol].value_sort)
+  const FluentDeclaration& declared = description_.fluents[literal.symbol];
+  if (!declared.value_sort)
   {
     return (names_[value] == "true") == literal.equal ? fluent : "-" + fluent;
   }
-  return fluent + (literal.equal ? " = " : " != ") + (value == kUnbound ? "_" : names_[value]);
+  const std::string text = value == kUnbound ? "_" : names_[value];
+  if (declared.predicate_form && text != declared.no_value)
+  {
+    const std::string open =
+        declared.argument_sorts.empty() ? fluent + "(" : fluent.substr(0, fluent.size() - 1) + ", ";
+    return (literal.equal ? "" : "-") + open + text + ")";
+  }
+  return fluent + (literal.equal ? " = " : " != ") + text;
 }
 
 ConstantId GroundRules::bound(const Slot& slot, const RuleBinding& binding)

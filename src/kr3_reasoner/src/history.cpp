@@ -245,7 +245,7 @@ CheckedRecord checkRecord(const Record& record, const Symbols& symbols)
   CheckedRecord checked;
   checked.record = record;
   const auto refuse = [&](const std::string& why) {
-    throw InvalidArgument("the record " + toString(record) + ": " + why);
+    throw InvalidArgument(withoutNul("the record " + toString(record) + ": " + why));
   };
   if (record.step < 0 || (record.kind == RecordKind::kInitially && record.step != 0))
   {

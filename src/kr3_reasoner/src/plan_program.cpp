@@ -297,7 +297,8 @@ SolverLiteral PlanProgram::literalIn(const Literal& open, const StateLiterals& s
 
 std::string PlanProgram::literalText(const std::pair<std::string, std::string>& value) const
 {
-  return toString(literalOf(open_[open_index_.at(value.first)], value.second));
+  return toString(literalOf(open_[open_index_.at(value.first)], value.second),
+                  problem_->description);
 }
 
 // ---- Growing ----

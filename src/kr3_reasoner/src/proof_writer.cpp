@@ -121,7 +121,7 @@ Reason ProofWriter::leaf(const Inference& inference, const ClauseOrigin& origin)
     const std::string place = placeOf(checked.record.position);
     if (!checked.isAction())
     {
-      reason.statement = toString(checked.literal);
+      reason.statement = words_.text(checked.literal);
       reason.sentence = "observed" + atStep(origin.step) + ": " + reason.statement +
                         inBrackets(listed(nonEmpty({checked.record.source, place})));
       return reason;
@@ -139,7 +139,7 @@ Reason ProofWriter::leaf(const Inference& inference, const ClauseOrigin& origin)
     reason.sentence = words_.sentence(assumed) + ", because of what was observed";
     if (words_.isException(assumed))
     {
-      reason.statement = toString(words_.exception(assumed));
+      reason.statement = words_.text(words_.exception(assumed));
       const auto excepted = words_.exceptedDefaults(assumed);
       reason.default_name = excepted.empty() ? "" : excepted.front().name;
       reason.position = excepted.empty() ? SourcePosition{} : excepted.front().rule->position;
@@ -190,7 +190,7 @@ bool ProofWriter::collapse(const Inference& inference, Reason& reason)
 Reason ProofWriter::node(int number, const Inference& inference)
 {
   Reason reason;
-  reason.statement = toString(theory_.literalOf(inference.literal));
+  reason.statement = words_.text(theory_.literalOf(inference.literal));
   reason.step = inference.literal.step;
   if (inference.origin >= 0 && inference.antecedents.empty() &&
       theory_.origin(inference.origin).kind != ReasonKind::kDefault &&

@@ -72,6 +72,7 @@ OpenQuestion Reasoner::whyUnknown(const std::string& text, int step) const
   const Literal literal =
       normalized(parseGroundLiteral(text, impl_->description()), impl_->description());
   const Consequences& consequences = impl_->consequences(step);
+  const Words words = impl_->words();
   const std::string fluent = toString(literal.atom);
   const std::string at = " at step " + std::to_string(step);
   OpenQuestion question;
@@ -83,23 +84,24 @@ OpenQuestion Reasoner::whyUnknown(const std::string& text, int step) const
   question.values = possibleValues(fluent, step);
   if (!question.open)
   {
-    question.reasons.push_back(toString(literal) + at +
+    question.reasons.push_back(words.text(literal) + at +
                                (consequences.inAll(literal, step) ? " is known" : " is excluded"));
     return question;
   }
   question.reasons.push_back(fluent + at + " may be " + listed(question.values));
-  for (const GroundDefault& instance : impl_->words().defaultsAbout(literal.atom))
+  for (const GroundDefault& instance : words.defaultsAbout(literal.atom))
   {
     std::vector<std::string> unknown;
     for (const Literal& condition : instance.body)
     {
       if (!consequences.inAll(condition, 0))
       {
-        unknown.push_back(toString(condition));
+        unknown.push_back(words.text(condition));
       }
     }
     question.reasons.push_back(
-        "default " + instance.name + " would say initially " + toString(instance.head) + ", but " +
+        "default " + instance.name + " would say initially " + words.text(instance.head) +
+        ", but " +
         (!unknown.empty() ? listed(unknown) + " initially is not known"
          : !consequences.inSome(instance.head, 0)
              ? "that is excluded"

@@ -141,9 +141,9 @@ Explanation Reasoner::Impl::explain(const Literal& literal, int step)
     Explanation fact;
     fact.entailed = true;
     fact.proof.kind = ReasonKind::kStatic;
-    fact.proof.statement = toString(literal);
+    fact.proof.statement = toString(literal, description());
     fact.proof.step = step;
-    fact.proof.sentence = toString(literal) + " follows from the description alone";
+    fact.proof.sentence = fact.proof.statement + " follows from the description alone";
     fact.reasons = {fact.proof.sentence};
     return fact;
   }

@@ -55,7 +55,7 @@ std::vector<Retraction> Reasoner::retractionsFor(const std::string& literal, int
   }
   return impl_->retractions({contrary(wanted, impl_->description())}, step, kMaxRetractions,
                             [&](const Reasoner& reduced, Retraction& retraction) {
-    retraction.opens = toString(wanted);
+    retraction.opens = toString(wanted, impl_->description());
     return reduced.impl_->optimum() && reduced.possible(literal, step);
   });
 }
@@ -86,7 +86,7 @@ Retraction Reasoner::leastCertainRefutation(const std::string& fluent) const
       const Literal literal = literalOf(ground, value);
       if (!any.inSome(literal, now))
       {
-        retraction.opens = toString(literal);
+        retraction.opens = toString(literal, impl_->description());
         return true;
       }
     }

@@ -146,8 +146,34 @@ void Scope::useValue(const FluentDeclaration& fluent, const Term& value,
   }
 }
 
+bool Scope::isPredicateOfFunction(const Literal& literal)
+{
+  const FluentDeclaration* fluent = symbols_.fluent(literal.atom.name);
+  const std::vector<Term>& arguments = literal.atom.arguments;
+  const bool boolean = !literal.value.is_variable && literal.equal &&
+                       (literal.value.name == "true" || literal.value.name == "false");
+  if (fluent == nullptr || !fluent->value_sort || fluent->predicate_form || !boolean ||
+      arguments.size() != fluent->argument_sorts.size() + 1)
+  {
+    return false;
+  }
+  Literal function = literal;
+  function.atom.arguments.pop_back();
+  function.value = arguments.back();
+  function.equal = literal.value.name == "true";
+  useArguments(function.atom, fluent->argument_sorts, "");
+  useTerm(arguments.back(), *fluent->value_sort, literal.atom.position);
+  report(literal.atom.position, "found " + toString(literal) + ", expected " + toString(function) +
+                                    ": " + literal.atom.name + " is a function");
+  return true;
+}
+
 const FluentDeclaration* Scope::useLiteral(const Literal& literal)
 {
+  if (isPredicateOfFunction(literal))
+  {
+    return nullptr;
+  }
   const FluentDeclaration* fluent = useFluent(literal.atom);
   if (fluent != nullptr)
   {

@@ -47,6 +47,8 @@ private:
                     const std::string& what);
   void useCondition(const Condition& condition);
   void useUnknown(const Atom& atom);
+  /// Reports `loc(R, office)` where loc is a function and `loc(R) = office` is meant.
+  bool isPredicateOfFunction(const Literal& literal);
   void report(const SourcePosition& position, const std::string& message);
   [[nodiscard]] std::string nearest(const std::string& name,
                                     const std::vector<std::string>& candidates) const;

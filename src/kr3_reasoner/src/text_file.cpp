@@ -6,11 +6,17 @@
 
 #include <kr3_common/error.hpp>
 
+#include "diagnostics.hpp"
+
 namespace kr3::reasoner
 {
 
 std::string readTextFile(const std::string& path)
 {
+  if (path.find('\0') != std::string::npos)
+  {
+    throw NotFound("cannot read '" + withoutNul(path) + "': found a NUL byte in its name");
+  }
   std::error_code ignored;
   std::ifstream stream(path, std::ios::binary);
   if (!stream || std::filesystem::is_directory(path, ignored))

@@ -63,12 +63,12 @@ void minimize(std::vector<Item>& items, const Test& is_impossible)
   }
 }
 
-std::string joined(const std::vector<Formula>& formulas)
+std::string joined(const std::vector<Formula>& formulas, const Description& description)
 {
   std::string text;
   for (const Formula& formula : formulas)
   {
-    text += (text.empty() ? "" : " and ") + toString(formula);
+    text += (text.empty() ? "" : " and ") + toString(formula, description);
   }
   return text;
 }
@@ -104,7 +104,7 @@ std::string whyImpossible(const Description& whole, std::vector<Formula> conjunc
   {
     return "no state satisfies the state constraints";
   }
-  std::string text = "no state of the domain satisfies the goal: " + joined(conjuncts) +
+  std::string text = "no state of the domain satisfies the goal: " + joined(conjuncts, whole) +
                      (conjuncts.size() > 1 ? " exclude each other" : " never holds");
   const char* separator = " because of the state constraint ";
   for (const StateConstraint& constraint : description.constraints)
@@ -141,7 +141,7 @@ std::string whyUnsolvable(const PlanningProblem& problem, const Formula& goal, i
     }
   }
   return "no plan of at most " + std::to_string(max_horizon) + " steps reaches the goal " +
-         toString(goal) + (unverified.empty() ? "" : "; " + unverified);
+         toString(goal, problem.description) + (unverified.empty() ? "" : "; " + unverified);
 }
 
 }  // namespace kr3::reasoner

@@ -72,9 +72,15 @@ std::vector<std::string> nonEmpty(const std::vector<std::string>& items)
   return kept;
 }
 
-std::string inThePast(const Literal& literal)
+std::string inThePast(const Literal& literal, const Description& description)
 {
   const std::string& value = literal.value.name;
+  const FluentDeclaration* fluent = description.findFluent(literal.atom.name);
+  if (fluent != nullptr && fluent->predicate_form && value != fluent->no_value)
+  {
+    const Literal positive{literal.atom, literal.value, true};
+    return toString(positive, description) + (literal.equal ? " was true" : " was not true");
+  }
   const bool boolean = value == "true" || value == "false";
   const bool negative = (value == "false") == literal.equal && (boolean || !literal.equal);
   return toString(literal.atom) + " was " + (negative ? "not " : "") + (boolean ? "true" : value);
@@ -99,7 +105,7 @@ std::string Words::statement(const Clingo::Symbol& assumed) const
       head.value.name = "true";
       value = !value;
     }
-    return "init(" + toString(head) + ", " + (value ? "true" : "false") + ")";
+    return "init(" + text(head) + ", " + (value ? "true" : "false") + ")";
   }
   if (is(assumed, "exo", 2))
   {
@@ -196,7 +202,7 @@ std::string Words::sentence(const Clingo::Symbol& assumed) const
       }
       last = excepted;
     }
-    return text + ": initially " + inThePast(exception(assumed));
+    return text + ": initially " + inThePast(exception(assumed), description_);
   }
   if (is(assumed, "exo", 2))
   {

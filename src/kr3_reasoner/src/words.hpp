@@ -13,8 +13,9 @@ namespace kr3::reasoner
 [[nodiscard]] std::string withoutSpaces(const std::string& text);
 
 /// A literal as people read it: "tb1 was not in ..." is beyond us without
-/// knowing the domain, so: "loc(tb1) was not office".
-[[nodiscard]] std::string inThePast(const Literal& literal);
+/// knowing the domain, so: "loc(tb1) was not office", and of a fluent in the
+/// predicate form "loc(tb1, office) was not true".
+[[nodiscard]] std::string inThePast(const Literal& literal, const Description& description);
 
 /// The record with the file and line where it stands, if it stands in one.
 [[nodiscard]] std::string withPlace(const Record& record);
@@ -55,6 +56,12 @@ public:
         const std::vector<CheckedRecord>& records)
     : description_(description), options_(options), instances_(instances), records_(records)
   {
+  }
+
+  /// A literal in the form in which the description declares its fluent.
+  [[nodiscard]] std::string text(const Literal& literal) const
+  {
+    return toString(literal, description_);
   }
 
   /// The assumption with its price, without the records that call for it.

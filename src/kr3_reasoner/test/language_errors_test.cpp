@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Mistake{"axioms\n open(B if seen(B).\n", "f:13:9: found 'if', expected ')' or ','"},
         Mistake{"axioms\n open(B) if seen(B)\n",
-                "f:14:1: found the end, expected ',', '.' or '=', '!='"},
+                "f:14:1: found the end, expected ',', '.', '=', '!='"},
         Mistake{"axioms\n Open(B) if seen(B).\n", "f:13:6: found '(', expected '=', '!=', '<'"},
         Mistake{"axioms\n seen(B) if not open(B).\n",
                 "f:13:13: found 'not' before the fluent open, expected '-'"},
