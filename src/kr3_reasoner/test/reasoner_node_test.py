@@ -1,10 +1,13 @@
 #!/usr/bin/python3
 """Contract of reasoner_node: it answers, plans, refuses bad input with a Status, and survives it."""
 
+import contextlib
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
+from pathlib import Path
 
 import actionlib
 import rosnode
@@ -32,6 +35,7 @@ from kr3_msgs.srv import (
     GetPossibleValues,
     GetState,
     ListModels,
+    ReloadDomain,
     SetHistory,
     Translate,
     WhatIf,
@@ -83,11 +87,37 @@ class Bytes(str):
         return self.raw
 
 
-def diagnostics():
-    """The key-value pairs of the node's next report."""
+SWITCHES = """sorts
+  switch = {left, right}.
+fluents
+  inertial on(switch).
+actions
+  flip(switch).
+axioms
+  flip(S) causes on(S) if -on(S).
+  flip(S) causes -on(S) if on(S).
+"""
+
+
+@contextlib.contextmanager
+def started_node(folder):
+    """A node of its own, in the namespace `reloaded`, and its domain file."""
+    domain = Path(folder) / "switches.kr3"
+    domain.write_text(SWITCHES, encoding="utf-8")
+    command = ["rosrun", "kr3_reasoner", "reasoner_node", "__ns:=reloaded", f"_domain:={domain}"]
+    with subprocess.Popen(command) as process:
+        try:
+            yield domain
+        finally:
+            process.terminate()
+            process.wait(TIMEOUT_S)
+
+
+def diagnostics(name="reasoner_node: reasoner"):
+    """The key-value pairs of a node's next report."""
     while True:
         for status in rospy.wait_for_message("/diagnostics", DiagnosticArray, TIMEOUT_S).status:
-            if status.name == "reasoner_node: reasoner":
+            if status.name.lstrip("/") == name.lstrip("/"):
                 return {pair.key: pair.value for pair in status.values}
 
 
@@ -314,6 +344,47 @@ class ReasonerNodeTest(unittest.TestCase):
         self.assertEqual(entails("lid(red)", 0).status.code, Status.INVALID_ARGUMENT)
         self.assertEqual(entails("lit(red)", 99).status.code, Status.INVALID_ARGUMENT)
         self.assertEqual(entails("lit(red)", 0).status.code, Status.OK)
+
+    def test_reloads_its_domain_or_changes_nothing(self):
+        with tempfile.TemporaryDirectory() as folder, started_node(folder) as domain:
+            reload_domain = service("reloaded/reasoner/reload_domain", ReloadDomain)
+            set_history = service("reloaded/reasoner/set_history", SetHistory)
+            entails = service("reloaded/reasoner/entails", Entails)
+            self.assertEqual(set_history([init("on(left)", True)]).num_records, 1)
+            self.assertEqual(entails("on(right)", 0).answer, EntailsRequest.UNKNOWN)
+
+            text = domain.read_text(encoding="utf-8")
+            domain.write_text(text + "defaults\n  off(S): -on(S).\n", encoding="utf-8")
+            reply = reload_domain()
+            self.assertEqual(reply.status.code, Status.OK, reply.status.message)
+            self.assertEqual(entails("on(right)", 0).answer, EntailsRequest.FALSE)
+            self.assertEqual(entails("on(left)", 0).answer, EntailsRequest.TRUE)
+            self.assertEqual(diagnostics("/reloaded/reasoner_node: reasoner")["records"], "1")
+
+            domain.write_text(text + "axioms\n  push(S) causes on(S).\n  dark if .\n")
+            lines = text.count("\n")
+            reply = reload_domain()
+            self.assertEqual(reply.status.code, Status.INVALID_ARGUMENT)
+            self.assertIn(f"{domain}:{lines + 2}:3: ", reply.status.message)
+            self.assertIn(f"{domain}:{lines + 3}:", reply.status.message)
+            self.assertEqual(entails("on(right)", 0).answer, EntailsRequest.FALSE)
+
+            domain.write_text(text.replace("left", "middle"), encoding="utf-8")
+            reply = reload_domain()
+            self.assertEqual(reply.status.code, Status.INVALID_ARGUMENT)
+            self.assertIn("record 1 of the history", reply.status.message)
+            self.assertIn("left", reply.status.message)
+            domain.unlink()
+            self.assertEqual(reload_domain().status.code, Status.NOT_FOUND)
+            self.assertEqual(entails("on(left)", 0).answer, EntailsRequest.TRUE)
+
+            domain.write_text(text.replace("on(", "up("), encoding="utf-8")
+            self.assertEqual(set_history([]).status.code, Status.OK)
+            self.assertEqual(reload_domain().status.code, Status.OK)
+            client = actionlib.SimpleActionClient("reloaded/reasoner/plan", MakePlanAction)
+            self.assertTrue(client.wait_for_server(rospy.Duration(TIMEOUT_S)))
+            client.send_goal_and_wait(MakePlanGoal(goal="up(left)"), rospy.Duration(TIMEOUT_S))
+            self.assertEqual(client.get_result().status.code, Status.OK)
 
     def test_a_bad_domain_stops_the_start(self):
         run = subprocess.run(

@@ -199,7 +199,7 @@ kr3_msgs::MinimalExplanation toMsg(const ExplanationAlternative& alternative)
   return message;
 }
 
-kr3_msgs::HistoryModel toMsg(const HistoryModel& model)
+kr3_msgs::HistoryModel toMsg(const HistoryModel& model, const Description& description)
 {
   kr3_msgs::HistoryModel message;
   message.assumed = model.assumed;
@@ -208,7 +208,7 @@ kr3_msgs::HistoryModel toMsg(const HistoryModel& model)
     kr3_msgs::HistoryStep step;
     for (const Literal& literal : model.states[i])
     {
-      step.literals.push_back(toString(literal));
+      step.literals.push_back(toString(literal, description));
     }
     if (i < model.actions.size())
     {

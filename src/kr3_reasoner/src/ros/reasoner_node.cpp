@@ -18,13 +18,6 @@ namespace kr3::reasoner
 namespace
 {
 
-Description describe(const ReasonerNodeConfig& config)
-{
-  std::vector<std::string> files = {config.domain};
-  files.insert(files.end(), config.more_files.begin(), config.more_files.end());
-  return readDescription(files);
-}
-
 bool same(const Record& a, const Record& b)
 {
   return a.kind == b.kind && a.statement == b.statement && a.value == b.value && a.step == b.step &&
@@ -74,9 +67,16 @@ ReasonerNodeConfig loadReasonerNodeConfig(const ros::NodeHandle& private_nh)
   return config;
 }
 
+Description readDomain(const ReasonerNodeConfig& config)
+{
+  std::vector<std::string> files = {config.domain};
+  files.insert(files.end(), config.more_files.begin(), config.more_files.end());
+  return readDescription(files);
+}
+
 ReasonerNode::ReasonerNode(ros::NodeHandle nh, const ReasonerNodeConfig& config)
   : config_(config)
-  , reasoner_(describe(config), config.options)
+  , reasoner_(readDomain(config), config.options)
   , plan_(
         nh, "reasoner/plan", [this](const kr3_msgs::MakePlanGoalConstPtr& goal) { onPlan(goal); },
         false)
@@ -131,16 +131,20 @@ ReasonerNode::Work ReasonerNode::startPlanning(const kr3_msgs::MakePlanGoal& goa
     planner = std::make_shared<Reasoner>(reasoner_.description(), config_.options);
   }
   std::vector<Record> records = reasoner_.history();
+  const std::size_t version = domain_version_;
   lock.unlock();
   Work work{cancel, {}};
-  work.result = std::async(std::launch::async,
-                           [this, planner, cancel, options, formula, records = std::move(records)] {
+  work.result = std::async(std::launch::async, [this, planner, cancel, options, formula, version,
+                                                records = std::move(records)] {
     follow(records, *planner);
     kr3_msgs::MakePlanResult result =
         toMsg(planner->plan(formula, options, cancel.get()), planner->currentStep());
     const std::lock_guard<std::mutex> guard(mutex_);
     ++num_plans_;
-    planner_ = planner;
+    if (version == domain_version_)
+    {
+      planner_ = planner;
+    }
     return result;
   });
   return work;

@@ -42,6 +42,10 @@ struct ReasonerNodeConfig
 /// @throws InvalidArgument  listing everything wrong with the parameters
 [[nodiscard]] ReasonerNodeConfig loadReasonerNodeConfig(const ros::NodeHandle& private_nh);
 
+/// Reads the description that the parameters name.
+/// @throws NotFound, InvalidArgument  as readDescription
+[[nodiscard]] Description readDomain(const ReasonerNodeConfig& config);
+
 /// Offers a Reasoner on ROS. Services answer one after the other, in the thread that spins. Plans
 /// are made in a thread of their own with a reasoner of their own, so that services answer
 /// meanwhile and a goal that is cancelled ends at once, whatever the solver does.
@@ -75,6 +79,12 @@ private:
   void offerQuestions(ros::NodeHandle& nh);
   void offerAnalyses(ros::NodeHandle& nh);
 
+  /// Reads the description again. Goals under way are planned to their end with the one they began
+  /// with.
+  /// @throws InvalidArgument, NotFound  the files are wrong, or the history does not fit them; then
+  ///                                    nothing has changed
+  void reloadDomain();
+
   /// @throws ResourceExhausted  more records than the parameter max_records allows
   void checkCount(std::size_t num_records) const;
   void addRecords(const kr3_msgs::AddRecords::Request& request);
@@ -94,6 +104,7 @@ private:
   std::mutex mutex_;  // guards what follows, down to last_duration_s_
   Reasoner reasoner_;
   std::shared_ptr<Reasoner> planner_;  // idle, with the history of the last goal; or none
+  std::size_t domain_version_ = 0;     // counts how often the description was replaced
   std::size_t num_plans_ = 0;
   std::size_t num_questions_ = 0;
   std::string last_question_;

@@ -9,6 +9,7 @@
 #include <kr3_msgs/FindRetractions.h>
 #include <kr3_msgs/GetPossibleValues.h>
 #include <kr3_msgs/ListModels.h>
+#include <kr3_msgs/ReloadDomain.h>
 #include <kr3_msgs/Translate.h>
 
 #include "conversions.hpp"
@@ -35,6 +36,25 @@ int stepOf(std::uint32_t step)
 const std::string& literalOf(const std::string& text)
 {
   return checkedText(text, "literal");
+}
+
+/// What of a history does not fit the reasoner's description, a line for each record.
+std::string misfits(const std::vector<Record>& history, Reasoner& reasoner)
+{
+  std::string problems;
+  for (std::size_t i = 0; i < history.size(); ++i)
+  {
+    try
+    {
+      reasoner.setHistory({history[i]});
+    }
+    catch (const InvalidArgument& e)
+    {
+      problems += (problems.empty() ? "" : "\n") + std::string("record ") + std::to_string(i + 1) +
+                  " of the history does not fit the files any more: " + e.what();
+    }
+  }
+  return problems;
 }
 
 void fill(const Diagnosis& diagnosis, kr3_msgs::WhatIf::Response& response)
@@ -91,6 +111,23 @@ void ReasonerNode::offerHistory(ros::NodeHandle& nh)
     addRecords(request);
     response.num_records = static_cast<std::uint32_t>(reasoner_.history().size());
   });
+  serve<kr3_msgs::ReloadDomain>(nh, "reload_domain",
+                                [this](const auto&, auto&) { reloadDomain(); });
+}
+
+void ReasonerNode::reloadDomain()
+{
+  Reasoner reasoner(readDomain(config_), config_.options);
+  const std::string problems = misfits(reasoner_.history(), reasoner);
+  if (!problems.empty())
+  {
+    throw InvalidArgument(problems);
+  }
+  reasoner.setHistory(reasoner_.history());
+  reasoner_ = std::move(reasoner);
+  planner_ = nullptr;
+  ++domain_version_;
+  ROS_INFO("read %s again", config_.domain.c_str());
 }
 
 void ReasonerNode::checkCount(std::size_t num_records) const
@@ -150,7 +187,10 @@ void ReasonerNode::offerAnalyses(ros::NodeHandle& nh)
     std::vector<HistoryModel> models = reasoner_.models(limit + 1);
     response.complete = static_cast<std::uint8_t>(models.size() <= limit);
     models.resize(std::min(models.size(), limit));
-    response.models = toMsgs<kr3_msgs::HistoryModel>(models);
+    for (const HistoryModel& model : models)
+    {
+      response.models.push_back(toMsg(model, reasoner_.description()));
+    }
   });
   serve<kr3_msgs::FindRetractions>(nh, "find_retractions",
                                    [this](const auto& request, auto& response) {
@@ -280,7 +320,7 @@ void ReasonerNode::getState(const kr3_msgs::GetState::Request& request,
   for (const Literal& literal : reasoner_.entailedAt(step))
   {
     kr3_msgs::ExplainedLiteral explained;
-    explained.literal = toString(literal);
+    explained.literal = toString(literal, reasoner_.description());
     explained.step = request.step;
     if (request.explain != 0)
     {

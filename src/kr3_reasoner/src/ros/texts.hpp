@@ -13,6 +13,6 @@ namespace kr3::reasoner
 /// The text as valid UTF-8 without control characters: any other byte becomes `\xNN`. What clients
 /// sent may stand in our answers, and clients in Python refuse what is no UTF-8.
 /// @param max_size  the rest is left out, and the text says so
-[[nodiscard]] std::string printable(const std::string& text, std::size_t max_size = 2000);
+[[nodiscard]] std::string printable(const std::string& text, std::size_t max_size = 50000);
 
 }  // namespace kr3::reasoner
