@@ -1,6 +1,8 @@
 """The Python module kr3_reasoner: the library's names, its errors, threads, limits and cancellation."""
 
 import inspect
+import os
+import signal
 import threading
 import time
 from datetime import timedelta
@@ -188,7 +190,84 @@ def test_a_program_for_plain_clingo_is_printed(reasoner):
     assert "#const _last = _now + 1." in reasoner.translation("lit(red)", 1)
 
 
-def test_everything_has_a_docstring_or_a_signature():
-    for name, item in inspect.getmembers(kr3):
-        if not name.startswith("_"):
-            assert inspect.getdoc(item), name
+def members_of(item):
+    return [(name, part) for name, part in vars(item).items() if not name.startswith("_")]
+
+
+def test_everything_is_documented_in_words():
+    for name, item in members_of(kr3):
+        assert inspect.getdoc(item), name
+        if not inspect.isclass(item) or hasattr(item, "__members__"):
+            continue
+        for part_name, part in members_of(item):
+            lines = (inspect.getdoc(part) or "").splitlines()
+            words = lines if isinstance(part, property) else [line for line in lines[1:] if line]
+            assert words or isinstance(part, str), f"{name}.{part_name}"
+
+
+def test_what_is_open_about_a_literal_is_told():
+    description = kr3.readDescription(LAMPS)
+    question = kr3.Reasoner(description).whyUnknown("on(left)", 0)
+    assert question.open and question.values == ["false", "true"]
+    assert question.deciding == ["on(left)"] and question.reasons
+
+
+def test_literals_are_written_in_the_form_of_the_description():
+    description = kr3.readDescription(str(Path(LAMPS).parent / "paper_predicates.kr3"))
+    reasoner = kr3.Reasoner(description)
+    text = "init(loc(rob1, office), true). obs(loc(tb1, main_library), false, 1)."
+    reasoner.setHistory(kr3.parseHistory(text, "history", description))
+    assert {"loc(rob1, office)", "loc(tb1, aux_library)"} <= set(reasoner.entailedAt(1))
+    assert "loc(rob1, office)" in reasoner.models(1)[0].states[0]
+    assert "loc(tb1, main_library) was not true" in reasoner.diagnose().in_words[0]
+
+
+def test_messages_do_not_end_at_a_nul_byte(reasoner):
+    with pytest.raises(kr3.InvalidArgument) as error:
+        reasoner.entails("on(\0left)", 0)
+    assert r"'on(\x00left)':1:4" in str(error.value)
+    assert "found a NUL byte" in str(error.value) or "expected" in str(error.value)
+    with pytest.raises(kr3.NotFound, match=r"a\\x00b"):
+        kr3.readDescription("a\0b")
+    with pytest.raises(kr3.InvalidArgument, match="expected"):
+        reasoner.addRecords([kr3.Record(kr3.RecordKind.kObserved, "on(\0)")])
+
+
+ENDLESS = """
+sorts
+  bit = 0..19.
+fluents
+  inertial on(bit).
+actions
+  flip(bit).
+axioms
+  flip(B) causes on(B) if -on(B).
+  flip(B) causes -on(B) if on(B).
+"""
+
+
+def interrupted(ask):
+    """Presses Ctrl-C while a question is answered."""
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        ask()
+    assert time.monotonic() - start < 5.0
+    timer.join()
+
+
+def test_ctrl_c_ends_any_question_and_the_reasoner_goes_on():
+    reasoner = kr3.Reasoner(kr3.parseDescription(ENDLESS, "endless"))
+    interrupted(lambda: reasoner.models(0))
+    assert reasoner.entails("on(3)", 0) == kr3.Answer.kUnknown
+    counter = slow_reasoner()
+    interrupted(lambda: counter.plan("on(13)", kr3.PlanOptions(max_horizon=1000)))
+    assert counter.entails("on(13)", 0) == kr3.Answer.kFalse
+
+
+def test_a_sparc_program_is_imported():
+    imported = kr3.readSparc(str(Path(LAMPS).parent / "delivery.sp"))
+    description = kr3.parseDescription(imported.description, "imported")
+    assert kr3.parseHistory(imported.history, "imported", description)
+    assert imported.goals == ["loc(mug, room1)"]

@@ -1,0 +1,152 @@
+#!/usr/bin/python3
+"""Write kr3_reasoner-stubs/__init__.pyi from the built module: make_stub.py > FILE.
+
+pybind11 puts every signature into a docstring; types, defaults and documentation come from there. The test
+test_stub.py compares the file with the module, so it is made anew whenever the module changes.
+"""
+
+import inspect
+import re
+import sys
+import textwrap
+
+HEADER = '''"""{doc}"""
+
+# Made by python/make_stub.py.
+
+import datetime
+from typing import Callable, ClassVar, Optional, overload
+'''
+SIGNATURE = re.compile(r"^(?:\d+\. )?(\w+)\((.*)\) -> (.+)$")
+
+
+def plain(annotation):
+    """A type as pybind11 writes it, as Python writes it today."""
+    text = annotation.replace("kr3_reasoner.", "")
+    for old, new in (("List[", "list["), ("Dict[", "dict["), ("Tuple[", "tuple[")):
+        text = text.replace(old, new)
+    return text
+
+
+def split_arguments(text):
+    """Splits at the commas that are in no brackets."""
+    parts, depth, start = [], 0, 0
+    for at, char in enumerate(text):
+        depth += (char in "[({<") - (char in "])}>" and text[at - 1 : at + 1] != "->")
+        if char == "," and depth == 0:
+            parts.append(text[start:at].strip())
+            start = at + 1
+    return [part for part in parts + [text[start:].strip()] if part]
+
+
+def argument(text):
+    """`goal: str`, `options: PlanOptions = ...`."""
+    if text == "*":
+        return text
+    declared, _, default = text.partition(" = ")
+    name, _, annotation = declared.partition(": ")
+    if name == "self":
+        return "self"
+    kept = default if re.fullmatch(r"-?[\d.]+|True|False|None|'\w*'|\{\}", default) else "..."
+    optional = f"Optional[{plain(annotation)}]" if default == "None" else plain(annotation)
+    return f"{name}: {optional}" + (f" = {kept}" if default else "")
+
+
+def documented(lines, documentation):
+    """A body that is a docstring, or nothing."""
+    if not documentation:
+        return [lines + " ..."]
+    return [lines, *quoted(documentation)]
+
+
+def quoted(text):
+    lines = textwrap.wrap(text, 88)
+    if len(lines) == 1 and len(lines[0]) < 85:
+        return [f'    """{lines[0]}"""']
+    return [f'    """{lines[0]}', *(f"    {line}" for line in lines[1:]), '    """']
+
+
+def functions(name, item):
+    """The stub of a function: one signature, or several that are overloads."""
+    text = inspect.getdoc(item) or ""
+    lines = text.splitlines()
+    numbered = [line for line in lines if re.match(r"^\d+\. ", line)]
+    result = []
+    for head in numbered or lines[:1]:
+        match = SIGNATURE.match(head)
+        arguments = ", ".join(argument(part) for part in split_arguments(match.group(2)))
+        rest = lines[lines.index(head) + 1 :]
+        body = []
+        for line in rest:
+            if re.match(r"^\d+\. ", line):
+                break
+            body.append(line)
+        documentation = " ".join(line for line in body if line)
+        if numbered:
+            result.append("@overload")
+        result += documented(f"def {name}({arguments}) -> {plain(match.group(3))}:", documentation)
+    return result
+
+
+def attribute(name, item):
+    """The stub of a property: read only or not."""
+    getter = SIGNATURE.match(
+        (item.fget.__doc__ or "").strip().splitlines()[0].replace("(", f"{name}(", 1)
+    )
+    kind = plain(getter.group(3))
+    lines = ["@property", *documented(f"def {name}(self) -> {kind}:", inspect.getdoc(item))]
+    if item.fset is not None:
+        lines += [f"@{name}.setter", f"def {name}(self, value: {kind}) -> None: ..."]
+    return lines
+
+
+def members(item):
+    """The stub of what a class defines itself, in the order of the module."""
+    lines = []
+    for name, member in vars(item).items():
+        if name == "__init__" and SIGNATURE.match((inspect.getdoc(member) or "").split("\n")[0]):
+            lines += functions(name, member)
+        elif name.startswith("_"):
+            continue
+        elif isinstance(member, property):
+            lines += attribute(name, member)
+        elif callable(member):
+            lines += functions(name, member)
+    return lines
+
+
+def class_stub(name, item):
+    base = item.__mro__[1].__name__
+    lines = [f"class {name}" + (":" if base == "pybind11_object" else f"({base}):")]
+    lines += quoted((inspect.getdoc(item) or "").splitlines()[0]) if inspect.getdoc(item) else []
+    if hasattr(item, "__members__"):
+        lines[0] = f"class {name}:"
+        lines += [f"    {member}: ClassVar[{name}]" for member in item.__members__]
+        lines += ["    @property", "    def name(self) -> str: ...", "    @property"]
+        lines += ["    def value(self) -> int: ...", "    def __int__(self) -> int: ..."]
+        lines += [f"    __members__: ClassVar[dict[str, {name}]]"]
+        return lines
+    if issubclass(item, Exception):
+        return lines + ["    code: ClassVar[str]"]
+    return lines + [f"    {line}" for line in members(item)]
+
+
+def stub(module):
+    blocks = [HEADER.format(doc="\n".join(textwrap.wrap(inspect.getdoc(module), 95)))]
+    for name, item in vars(module).items():
+        if name.startswith("_"):
+            continue
+        block = class_stub(name, item) if inspect.isclass(item) else functions(name, item)
+        blocks.append("\n".join(block) + "\n")
+    return "\n".join(blocks)
+
+
+def main():
+    import kr3_reasoner  # of the workspace that is sourced
+
+    sys.stdout.write(stub(kr3_reasoner))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
