@@ -2,9 +2,11 @@
 // is 60, or what KR3_REASONER_CASES says; the first seed is 1, or KR3_REASONER_SEED.
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
+#include <cstdint>
 #include <iostream>
+#include <set>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -14,46 +16,22 @@
 #include "support/oracle.hpp"
 #include "support/random_case.hpp"
 #include "support/reference_program.hpp"
+#include "support/runs.hpp"
 
 namespace kr3::reasoner
 {
 namespace
 {
 
-long numberFrom(const char* variable, long otherwise)
-{
-  const char* text = std::getenv(variable);
-  return text == nullptr ? otherwise : std::strtol(text, nullptr, 10);
-}
-
-/// The descriptions that come with the repository, and those of the tests.
-std::vector<std::string> shippedDomains()
-{
-  std::vector<std::string> paths = {std::string(KR3_TEST_DIR) + "/data/lamps.kr3"};
-  for (const auto& entry : std::filesystem::directory_iterator(KR3_DOMAINS_DIR))
-  {
-    const std::filesystem::path path = entry.path() / "domain.kr3";
-    if (std::filesystem::exists(path))
-    {
-      paths.push_back(path.string());
-    }
-  }
-  std::sort(paths.begin(), paths.end());
-  return paths;
-}
-
 TEST(Equivalence, TheReasonerHasTheModelsOfTheDefinitions)
 {
-  const long first = numberFrom("KR3_REASONER_SEED", 1);
-  const long cases = numberFrom("KR3_REASONER_CASES", 60);
+  const Seeds seeds = seedsOfRun(60);
+  const auto cases = static_cast<long>(seeds.count);
   long compared = 0;
   long consistent = 0;
   long explained = 0;
   std::set<std::string> kinds;
-  for (long seed = first; seed < first + cases; ++seed)
-  {
-    const RandomCase drawn = randomCase(static_cast<std::uint64_t>(seed));
-    SCOPED_TRACE(toString(drawn));
+  forEachCase(seeds, {}, [&](const RandomCase& drawn, std::uint64_t) {
     const Description description = parseDescription(drawn.description, "random");
     const std::vector<Record> records = parseHistory(drawn.history, "history", description);
     const bool small = expectSameAsDefinitions(description, records, drawn.options);
@@ -70,7 +48,7 @@ TEST(Equivalence, TheReasonerHasTheModelsOfTheDefinitions)
         kinds.insert(statement.substr(0, statement.find('(')));
       }
     }
-  }
+  });
   std::cout << cases << " random cases, " << compared << " compared, " << consistent
             << " of them consistent, " << explained << " with a price\n";
   for (const char* kind : {"init", "failed", "wrong", "push"})
@@ -89,12 +67,9 @@ TEST(Equivalence, TheReasonerHasTheModelsOfTheDefinitions)
 // Three ways to the same models: the fast program, the slow one, and the enumeration.
 TEST(Equivalence, TheSlowProgramHasTheModelsOfTheDefinitionsToo)
 {
-  const long first = numberFrom("KR3_REASONER_SEED", 1);
-  const long cases = numberFrom("KR3_REASONER_CASES", 60) / 2;
-  for (long seed = first; seed < first + cases; ++seed)
-  {
-    const RandomCase drawn = randomCase(static_cast<std::uint64_t>(seed));
-    SCOPED_TRACE(toString(drawn));
+  Seeds seeds = seedsOfRun(60);
+  seeds.count /= 2;
+  forEachCase(seeds, {}, [](const RandomCase& drawn, std::uint64_t) {
     const Description description = parseDescription(drawn.description, "random");
     const std::vector<Record> records = parseHistory(drawn.history, "history", description);
     try
@@ -106,11 +81,10 @@ TEST(Equivalence, TheSlowProgramHasTheModelsOfTheDefinitionsToo)
       EXPECT_TRUE(found.models == expected.models)
           << found.models.size() << " models, expected " << expected.models.size();
     }
-    catch (const ResourceExhausted&)
+    catch (const ResourceExhausted&)  // too large to enumerate
     {
-      continue;
     }
-  }
+  });
 }
 
 /// The reasoner against the slow program on a domain that is too large to enumerate.
@@ -155,13 +129,13 @@ void compareWithReference(const std::string& path, std::uint64_t seed)
 
 TEST(Equivalence, TheShippedDomainsMeanWhatTheSlowProgramSays)
 {
-  const long first = numberFrom("KR3_REASONER_SEED", 1);
-  const long cases = std::max(4L, numberFrom("KR3_REASONER_CASES", 60) / 10);
-  for (long seed = first; seed < first + cases; ++seed)
+  const Seeds seeds = seedsOfRun(60);
+  const std::uint64_t count = std::max<std::uint64_t>(4, seeds.count / 10);
+  for (std::uint64_t seed = seeds.first; seed < seeds.first + count; ++seed)
   {
     for (const std::string& path : shippedDomains())
     {
-      compareWithReference(path, static_cast<std::uint64_t>(seed));
+      compareWithReference(path, seed);
     }
   }
 }

@@ -1,7 +1,24 @@
-// Histories of whole domains with what they are required to entail, how they are explained, and
-// what plans follow.
+// The histories of test/histories with what is required of them. A file is a history; its lines
+// that begin with `%!` say the domain, the options, and what has to be answered:
+//
+//   domain FILE                          of domains/ or of test/data/
+//   options exogenous exception_weight=2 exogenous_weight=3 default_weight=d1:2
+//   cost, because, true, false, unknown, models, inconsistent    as in expectOfHistory
+//   conflict RECORD; RECORD              the records of a minimal conflict
+//   says TEXT                            some minimal explanation has it in its words
+//   explain LITERAL at N => RECORD; RECORD        what the explanation rests on
+//   plan GOAL => [HYPOTHESIS; ...] ACTION + ACTION; ACTION    one line for each plan of the goal
+//   entailed GOAL                        nothing to do
+//   no plan GOAL => TEXT                 there is none, and the reason has the text
 
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
 #include <set>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -13,212 +30,221 @@ namespace kr3::reasoner
 namespace
 {
 
-std::string office()
-{
-  return readText(std::string(KR3_DOMAINS_DIR) + "/office/domain.kr3");
-}
+namespace fs = std::filesystem;
 
-std::string lamps()
-{
-  return readText(std::string(KR3_TEST_DIR) + "/data/lamps.kr3");
-}
+const fs::path kHistories = fs::path(KR3_TEST_DIR) / "histories";
 
-/// `-in_hand(rob1, X)` for all things of the office.
-std::string emptyHanded()
+/// A history file, taken apart.
+struct Case
 {
-  std::string text = "init(loc(rob1) = corridor, true). ";
-  for (const char* thing : {"tb1", "tb2", "tb3", "mug1", "mug2", "pot1", "printer1", "printer2"})
+  std::string domain;  ///< the text of the description
+  std::string history;
+  ReasonerOptions options;
+  std::vector<std::string> expectations;                       ///< for expectOfHistory
+  std::vector<std::pair<std::string, std::string>> questions;  ///< word and rest of the others
+};
+
+std::string joined(const std::vector<std::string>& items, const std::string& separator)
+{
+  std::string text;
+  for (const std::string& item : items)
   {
-    text += "init(in_hand(rob1, " + std::string(thing) + "), false). ";
+    text += (text.empty() ? "" : separator) + item;
   }
   return text;
 }
 
-/// Hypothesis and steps of each plan, as `[loc(tb1) = office] move(rob1, office) ...`.
-std::vector<std::string> plansFor(const std::string& history, const std::string& goal)
+std::string domainText(const std::string& name)
 {
-  std::vector<std::string> texts;
-  for (const Plan& plan : reasonerOfTexts(office(), history).plan(goal).plans)
+  const fs::path shipped = fs::path(KR3_DOMAINS_DIR) / name;
+  const fs::path file = fs::exists(shipped) ? shipped : fs::path(KR3_TEST_DIR) / "data" / name;
+  EXPECT_TRUE(fs::exists(file)) << file;
+  return readText(file.string());
+}
+
+void addOption(const std::string& option, ReasonerOptions& options)
+{
+  const std::size_t sign = option.find('=');
+  const std::string name = option.substr(0, sign);
+  const std::string value = sign == std::string::npos ? "" : option.substr(sign + 1);
+  if (name == "exogenous")
   {
-    std::string text;
-    for (const std::string& literal : plan.hypothesis)
+    options.diagnose_exogenous = true;
+  }
+  else if (name == "exception_weight")
+  {
+    options.exception_weight = std::stoi(value);
+  }
+  else if (name == "exogenous_weight")
+  {
+    options.exogenous_weight = std::stoi(value);
+  }
+  else if (name == "default_weight")
+  {
+    options.default_weights[value.substr(0, value.find(':'))] =
+        std::stoi(value.substr(value.find(':') + 1));
+  }
+  else
+  {
+    ADD_FAILURE() << "unknown option " << option;
+  }
+}
+
+Case readCase(const fs::path& file)
+{
+  Case found;
+  std::istringstream lines(readText(file.string()));
+  for (std::string line; std::getline(lines, line);)
+  {
+    found.history += line + "\n";
+    if (line.rfind("%! ", 0) != 0)
     {
-      text += "[" + literal + "] ";
+      continue;
     }
-    for (const auto& step : plan.steps)
+    std::istringstream words(line.substr(3));
+    std::string word;
+    words >> word;
+    if (word == "no")
     {
-      for (const std::string& action : step)
+      words >> word;
+      word = "no plan";
+    }
+    std::string rest;
+    std::getline(words >> std::ws, rest);
+    static const std::set<std::string> kAnswers = {"cost",    "because", "true",        "false",
+                                                   "unknown", "models",  "inconsistent"};
+    if (word == "domain")
+    {
+      found.domain = domainText(rest);
+    }
+    else if (word == "options")
+    {
+      std::istringstream options(rest);
+      for (std::string option; options >> option;)
       {
-        text += action + "; ";
+        addOption(option, found.options);
       }
     }
-    texts.push_back(text);
+    else if (kAnswers.count(word) > 0)
+    {
+      found.expectations.push_back(rest.empty() ? word : word + " " + rest);
+    }
+    else
+    {
+      found.questions.emplace_back(word, rest);
+    }
+  }
+  return found;
+}
+
+/// `[loc(tb1) = office] move(rob1, office); grasp(rob1, tb1)`.
+std::string textOf(const Plan& plan)
+{
+  std::vector<std::string> steps;
+  for (const auto& step : plan.steps)
+  {
+    steps.push_back(joined(step, " + "));
+  }
+  return "[" + joined(plan.hypothesis, "; ") + "] " + joined(steps, "; ");
+}
+
+std::set<std::string> plansOf(const Reasoner& reasoner, const std::string& goal)
+{
+  std::set<std::string> texts;
+  for (const Plan& plan : reasoner.plan(goal).plans)
+  {
+    texts.insert(textOf(plan));
   }
   return texts;
 }
 
-TEST(Histories, EachObjectHasItsOwnExceptions)
+/// Checks a question that expectOfHistory does not know, but for `plan`.
+void expectAnswer(const Reasoner& reasoner, const std::string& word, const std::string& rest)
 {
-  expectOfHistory(
-      office(),
-      "obs(loc(tb1) = main_library, false, 1). obs(loc(tb2) = main_library, false, 1). "
-      "obs(loc(tb2) = aux_library, false, 1). obs(loc(mug1) = kitchen, false, 1).",
-      {"cost 4",
-       "because init(loc(mug1) = kitchen, false); init(loc(tb1) = main_library, false); "
-       "init(loc(tb2) = aux_library, false); init(loc(tb2) = main_library, false)",
-       "true loc(tb1) = aux_library at 1", "true loc(tb2) = office at 1",
-       "true loc(tb3) = main_library at 1", "true loc(mug2) = kitchen at 1",
-       "false loc(mug1) = kitchen at 0", "unknown loc(mug1) = office at 1",
-       "unknown loc(printer1) = office at 1"});
+  const std::size_t arrow = rest.find(" =>");
+  const std::string asked = rest.substr(0, arrow);
+  const std::string expected = rest.size() <= arrow + 4 ? "" : rest.substr(arrow + 4);
+  SCOPED_TRACE(word + " " + rest);
+  if (word == "conflict")
+  {
+    EXPECT_EQ(joined(reasoner.diagnose().conflict, "; "), rest);
+  }
+  else if (word == "says")
+  {
+    EXPECT_NE(joined(reasoner.diagnose().in_words, "\n").find(rest), std::string::npos)
+        << joined(reasoner.diagnose().in_words, "\n");
+  }
+  else if (word == "explain")
+  {
+    const std::size_t at = asked.rfind(" at ");
+    const Explanation why = reasoner.explain(asked.substr(0, at), std::stoi(asked.substr(at + 4)));
+    EXPECT_TRUE(why.entailed);
+    EXPECT_EQ(joined(why.records, "; "), expected);
+  }
+  else if (word == "entailed")
+  {
+    EXPECT_TRUE(reasoner.plan(rest).goal_entailed);
+  }
+  else if (word == "no plan")
+  {
+    PlanOptions options;
+    options.max_horizon = 4;
+    const PlanResult result = reasoner.plan(asked, options);
+    EXPECT_TRUE(result.plans.empty());
+    EXPECT_FALSE(result.goal_entailed);
+    EXPECT_NE(result.reason.find(expected), std::string::npos) << result.reason;
+  }
+  else
+  {
+    ADD_FAILURE() << "unknown expectation";
+  }
 }
 
-TEST(Histories, WhatTheRobotHoldsIsAnIndirectExceptionAtNoPrice)
+class Histories : public testing::TestWithParam<fs::path>
 {
-  expectOfHistory(office(),
-                  "init(loc(rob1) = corridor, true). init(in_hand(rob1, tb1), true). "
-                  "hpd(move(rob1, kitchen), 0). obs(loc(tb1) = kitchen, true, 1).",
-                  {"cost 0", "true loc(tb1) = corridor at 0", "true loc(tb1) = kitchen at 1",
-                   "true loc(tb2) = main_library at 1"});
+};
+
+TEST_P(Histories, AreAnsweredAsRequired)
+{
+  const Case given = readCase(kHistories / GetParam());
+  ASSERT_FALSE(given.domain.empty()) << "no domain";
+  ASSERT_FALSE(given.expectations.empty() && given.questions.empty()) << "nothing is required";
+  expectOfHistory(given.domain, given.history, given.expectations, given.options);
+  const Reasoner reasoner = reasonerOfTexts(given.domain, given.history, given.options);
+  std::map<std::string, std::set<std::string>> plans;
+  for (const auto& [word, rest] : given.questions)
+  {
+    if (word == "plan")
+    {
+      const std::size_t arrow = rest.find(" => ");
+      plans[rest.substr(0, arrow)].insert(rest.substr(arrow + 4));
+    }
+    else
+    {
+      expectAnswer(reasoner, word, rest);
+    }
+  }
+  for (const auto& [goal, expected] : plans)
+  {
+    EXPECT_EQ(plansOf(reasoner, goal), expected) << goal;
+  }
 }
 
-TEST(Histories, AnObservationOfTheRobotsHandExplainsWhereAThingIs)
+std::vector<fs::path> files()
 {
-  // The book is in the robot's hand, so it is where the robot is: no default can have held.
-  expectOfHistory(office(), "init(loc(rob1) = corridor, true). obs(in_hand(rob1, tb1), true, 1).",
-                  {"cost 3", "true loc(tb1) = corridor at 0",
-                   "because init(loc(tb1) = aux_library, false); "
-                   "init(loc(tb1) = main_library, false); init(loc(tb1) = office, false)"});
+  std::vector<fs::path> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(kHistories))
+  {
+    names.push_back(entry.path().filename());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
-TEST(Histories, ALaterDefaultRestsOnTheFailureOfAnEarlierOne)
-{
-  const std::string start = "obs(loc(tb1) = main_library, false, 1). ";
-  expectOfHistory(office(), start + "obs(loc(tb1) = aux_library, false, 2).",
-                  {"cost 2", "true loc(tb1) = office at 2", "true loc(tb1) = office at 0"});
-  expectOfHistory(
-      office(), start + "obs(loc(tb1) = aux_library, false, 2). obs(loc(tb1) = office, false, 2).",
-      {"cost 3", "unknown loc(tb1) = kitchen at 2", "false loc(tb1) = office at 0"});
-  expectOfHistory(office(), start + "obs(loc(tb1) = office, true, 3).",
-                  {"cost 2", "true loc(tb1) = office at 0"});
-}
-
-TEST(Histories, AThingThatWasMovedIsNoException)
-{
-  expectOfHistory(office(),
-                  "init(loc(rob1) = main_library, true). init(in_hand(rob1, tb1), false). "
-                  "hpd(grasp(rob1, tb1), 0). hpd(move(rob1, office), 1). "
-                  "obs(loc(tb1) = office, true, 2).",
-                  {"cost 0", "true loc(tb1) = main_library at 0", "true in_hand(rob1, tb1) at 2"});
-}
-
-TEST(Histories, AGraspFailedOrTheThingWasNotThere)
-{
-  const std::string tried = emptyHanded() +
-                            "hpd(move(rob1, main_library), 0). attempt(grasp(rob1, tb1), 1). "
-                            "obs(in_hand(rob1, tb1), false, 2). hpd(move(rob1, office), 2). ";
-  expectOfHistory(office(), tried,
-                  {"cost 1", "because failed(grasp(rob1, tb1), 1)",
-                   "because init(loc(tb1) = main_library, false)",
-                   "unknown loc(tb1) = main_library at 3", "false in_hand(rob1, tb1) at 3"});
-  expectOfHistory(
-      office(), tried + "obs(loc(tb1) = main_library, true, 1).",
-      {"cost 1", "because failed(grasp(rob1, tb1), 1)", "true loc(tb1) = main_library at 3"});
-}
-
-TEST(Histories, AnAttemptWhereTheThingIsNotFailsOfItself)
-{
-  expectOfHistory(office(), emptyHanded() + "attempt(grasp(rob1, tb1), 0).",
-                  {"cost 0", "false in_hand(rob1, tb1) at 1", "true loc(tb1) = main_library at 1"});
-}
-
-TEST(Histories, SomebodyMovedWhatWasSeen)
-{
-  expectOfHistory(
-      office(),
-      "obs(loc(mug1) = kitchen, true, 1). obs(loc(mug1) = office, true, 2). "
-      "obs(loc(mug2) = kitchen, true, 2).",
-      {"cost 1", "because exo_move(mug1, office) at 1", "true loc(mug1) = kitchen at 0"});
-  // When nobody looked in between, it may have happened at either step.
-  expectOfHistory(office(), "init(loc(pot1) = office, true). obs(loc(pot1) = corridor, true, 2).",
-                  {"cost 1", "because exo_move(pot1, corridor) at 0",
-                   "because exo_move(pot1, corridor) at 1", "unknown loc(pot1) = office at 1"});
-}
-
-TEST(Histories, ADoubtfulReportGivesWay)
-{
-  expectOfHistory(office(),
-                  "init(loc(rob1) = office, true). obs(loc(rob1) = kitchen, true, 1) [0.7]. "
-                  "obs(loc(rob1) = corridor, true, 1) [0.6].",
-                  {"true loc(rob1) = office at 1",
-                   "because wrong(obs(loc(rob1) = corridor, true, 1) [0.6]); "
-                   "wrong(obs(loc(rob1) = kitchen, true, 1) [0.7])"});
-}
-
-TEST(Histories, AContradictionNamesItsRecords)
-{
-  const Diagnosis diagnosis =
-      reasonerOfTexts(office(),
-                      "init(loc(mug1) = office, true).\ninit(loc(rob1) = office, true).\n"
-                      "hpd(move(rob1, office), 0).\nobs(loc(tb1) = office, true, 1).\n")
-          .diagnose();
-  EXPECT_FALSE(diagnosis.consistent);
-  EXPECT_EQ(diagnosis.conflict, (std::vector<std::string>{"init(loc(rob1) = office, true)",
-                                                          "hpd(move(rob1, office), 0)"}));
-  EXPECT_NE(diagnosis.conflict_in_words.find("3"), std::string::npos)
-      << diagnosis.conflict_in_words;
-}
-
-TEST(Histories, DefinitionsFollowWhatChanges)
-{
-  const std::string start = "init(on(left), false). init(on(right), false). ";
-  expectOfHistory(
-      lamps(), start + "hpd(flip(left), 0).",
-      {"true dark at 0", "true lit(red) at 1", "false dark at 1", "false lit(green) at 1"});
-  expectOfHistory(lamps(), start + "hpd(flip(left), 0). obs(dark, true, 1).",
-                  {"cost 1", "because init(broken(red), true)", "true broken(red) at 1"});
-  expectOfHistory(lamps(),
-                  start + "hpd(flip(left), 0). obs(lit(red), true, 1). obs(dark, true, 2).",
-                  {"cost 1", "because break_down(red) at 1", "false broken(red) at 1"});
-}
-
-TEST(Histories, OneOfSeveralOutcomesHappened)
-{
-  const std::string start =
-      "init(on(left), true). init(broken(red), true). hpd(repair(red), 0). init(shows(d) = 2, "
-      "true). ";
-  expectOfHistory(lamps(), start, {"unknown lit(red) at 1"});
-  expectOfHistory(lamps(), start + "obs(lit(red), true, 2).", {"false broken(red) at 1"});
-  expectOfHistory(lamps(), "init(shows(d) = 2, true). hpd(roll(d), 0).",
-                  {"false shows(d) = 2 at 1", "unknown shows(d) = 1 at 1"});
-}
-
-TEST(Histories, PlansGoWhereTheDefaultsPointAndThenEverywhere)
-{
-  const std::string seen = emptyHanded() + "obs(loc(tb1) = main_library, false, 1). ";
-  EXPECT_EQ(plansFor(seen, "in_hand(rob1, tb1)"),
-            std::vector<std::string>{"move(rob1, aux_library); grasp(rob1, tb1); "});
-  const auto plans =
-      plansFor(seen + "obs(loc(tb1) = aux_library, false, 1). obs(loc(tb1) = office, false, 1).",
-               "in_hand(rob1, tb1)");
-  EXPECT_EQ(std::set<std::string>(plans.begin(), plans.end()),
-            (std::set<std::string>{
-                "[loc(tb1) = corridor] grasp(rob1, tb1); ",
-                "[loc(tb1) = kitchen] move(rob1, kitchen); grasp(rob1, tb1); ",
-                "[loc(tb1) = study_corner] move(rob1, study_corner); grasp(rob1, tb1); "}));
-}
-
-TEST(Histories, GoalsMayBeEntailedOrOutOfReach)
-{
-  PlanOptions options;
-  options.max_horizon = 3;
-  const Reasoner reasoner = reasonerOfTexts(office(), emptyHanded());
-  EXPECT_TRUE(reasoner.plan("loc(tb1) = main_library", options).goal_entailed);
-  EXPECT_FALSE(reasoner.plan("loc(tb1) != kitchen and in_hand(rob1, mug1)", options).goal_entailed);
-  const PlanResult never = reasoner.plan("in_hand(rob1, tb1) and in_hand(rob1, tb2)", options);
-  EXPECT_TRUE(never.plans.empty());
-  EXPECT_FALSE(never.goal_entailed);
-  EXPECT_NE(never.reason, "");
-}
+INSTANTIATE_TEST_SUITE_P(Files, Histories, testing::ValuesIn(files()),
+                         [](const testing::TestParamInfo<fs::path>& file) {
+  return file.param.stem().string();
+});
 
 }  // namespace
 }  // namespace kr3::reasoner

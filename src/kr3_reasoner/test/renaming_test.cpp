@@ -2,7 +2,6 @@
 // names.
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <random>
 #include <set>
@@ -13,6 +12,7 @@
 #include "support/expectations.hpp"
 #include "support/ground_domain.hpp"
 #include "support/random_case.hpp"
+#include "support/runs.hpp"
 
 namespace kr3::reasoner
 {
@@ -200,31 +200,14 @@ TEST_P(Renaming, ChangesNothingButTheNames)
   }
 }
 
-std::vector<std::string> shippedDomains()
-{
-  std::vector<std::string> paths = {std::string(KR3_TEST_DIR) + "/data/lamps.kr3"};
-  for (const auto& entry : std::filesystem::directory_iterator(KR3_DOMAINS_DIR))
-  {
-    const std::filesystem::path path = entry.path() / "domain.kr3";
-    if (std::filesystem::exists(path))
-    {
-      paths.push_back(path.string());
-    }
-  }
-  std::sort(paths.begin(), paths.end());
-  return paths;
-}
-
 INSTANTIATE_TEST_SUITE_P(ShippedDomains, Renaming, testing::ValuesIn(shippedDomains()));
 
 TEST(RenamingOfRandomDomains, ChangesNothingButTheNames)
 {
-  for (std::uint64_t seed = 1; seed <= 10; ++seed)
-  {
-    const RandomCase drawn = randomCase(seed);
+  forEachCase({1, 10}, {}, [](const RandomCase& drawn, std::uint64_t seed) {
     const Description description = parseDescription(drawn.description, "random");
     compareRenamed(description, drawn.history, seed, someGoals(description, seed, 1));
-  }
+  });
 }
 
 }  // namespace

@@ -257,6 +257,26 @@ TEST(Point9, TheConflictIsMinimalAndWhatMayBeRetractedIsNoPartOfIt)
   EXPECT_EQ(diagnosis.conflict, (std::vector<std::string>{"obs(q, false, 1)", "obs(q, true, 2)"}));
 }
 
+// ---- Point 10: why ----
+
+TEST(Point10, WhatIsCitedSufficesAndNothingIsSuperfluous)
+{
+  const std::string description =
+      "fluents\n inertial p.\n inertial q.\n inertial r.\nactions\n nod.\naxioms\n nod causes p if "
+      "q.\ndefaults\n d: -r.\n";
+  const std::string history = "init(q, true). init(p, false). hpd(nod, 0). obs(r, true, 1).";
+  const Reasoner reasoner = reasonerOfTexts(description, history);
+  const Explanation why = reasoner.explain("p", 1);
+  ASSERT_TRUE(why.entailed);
+  EXPECT_EQ(why.records, (std::vector<std::string>{"init(q, true)", "hpd(nod, 0)"}));
+  EXPECT_TRUE(why.defaults.empty());
+  EXPECT_EQ(reasonerOfTexts(description, "init(q, true). hpd(nod, 0).").entails("p", 1),
+            Answer::kTrue);
+  EXPECT_NE(reasonerOfTexts(description, "hpd(nod, 0).").entails("p", 1), Answer::kTrue);
+  EXPECT_NE(reasonerOfTexts(description, "init(q, true). obs(r, true, 1).").entails("p", 1),
+            Answer::kTrue);
+}
+
 // ---- Transitions ----
 
 TEST(Transitions, WhatAFluentIsNotPersistsAsWell)
