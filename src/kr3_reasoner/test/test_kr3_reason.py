@@ -1,35 +1,14 @@
 """The command-line tool kr3_reason: its answers, its errors with their places, its exit codes."""
 
 import json
-import os
-import subprocess
 from pathlib import Path
 
 import pytest
+from reason_tool import run
 
 DATA = Path(__file__).parent / "data"
 LAMPS = str(DATA / "lamps.kr3")
 KNOWN = "init(on(left), false).\ninit(on(right), false).\ninit(shows(d) = 1, true).\n"
-TIMEOUT_S = 60
-
-
-def tool():
-    for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(":"):
-        program = Path(prefix) / "lib/kr3_reasoner/kr3_reason"
-        if program.is_file():
-            return str(program)
-    pytest.skip("the workspace is not built or its setup.bash is not sourced")
-    return None
-
-
-def run(*arguments):
-    return subprocess.run(
-        [tool(), *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=TIMEOUT_S,
-        check=False,
-    )
 
 
 def answer(*arguments):

@@ -221,7 +221,11 @@ Reply translate(const Arguments& arguments)
     }
     length = result.goal_entailed ? 0 : length;
   }
-  return {{{"program", reasoner.translation(arguments.goal, length)}, {"length", length}}, found};
+  const std::string note = "% No plan of at most " + std::to_string(length) +
+                           " steps was found, so this program has no answer set.\n";
+  return {{{"program", (found ? "" : note) + reasoner.translation(arguments.goal, length)},
+           {"length", length}},
+          found};
 }
 
 Reply entails(const Arguments& arguments)
@@ -233,7 +237,7 @@ Reply entails(const Arguments& arguments)
     Json literals = Json::array();
     for (const Literal& literal : reasoner.entailedAt(step))
     {
-      literals.push_back(toString(literal));
+      literals.push_back(toString(literal, reasoner.description()));
     }
     return {{{"step", step}, {"literals", literals}}, true};
   }
@@ -281,7 +285,7 @@ Reply models(const Arguments& arguments)
       states.push_back(Json::array());
       for (const Literal& literal : state)
       {
-        states.back().push_back(toString(literal));
+        states.back().push_back(toString(literal, reasoner.description()));
       }
     }
     models.push_back(

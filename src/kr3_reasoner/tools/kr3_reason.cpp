@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
-#include <optional>
+#include <map>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -46,7 +46,6 @@ public:
   explicit CommandLine(Arguments& arguments) : arguments_(arguments)
   {
     namespace tool = kr3::reasoner::tool;
-    app_.require_subcommand(1);
     app_.footer(kFooter);
 
     CLI::App& check = add("check", "Check a description, a refinement or a history", tool::check,
@@ -76,7 +75,7 @@ public:
 
     CLI::App& explain = add("explain", "Why is a literal entailed?", tool::explain,
                             "kr3_reason explain domain.kr3 --history day.hist --literal \"-dim\"");
-    addLiteral(explain)->required();
+    require(explain, addLiteral(explain));
 
     CLI::App& models = add("models", "List the models of a history: how it may have been",
                            tool::models, "kr3_reason models domain.kr3 --history day.hist --all");
@@ -98,7 +97,7 @@ public:
                          "kr3_reason plan domain.kr3 --history day.hist --goal \"on(red)\"");
     addHistory(plan);
     addPrices(plan);
-    addPlanning(plan)->required();
+    require(plan, addPlanning(plan));
     plan.add_option("--prefer", arguments_.preference,
                     "which plans: shortest, cheapest-shortest (of the shortest the cheapest), "
                     "cheapest (up to --max-horizon)")
@@ -118,7 +117,7 @@ public:
         add("relevant", "The part of a description and a history that can matter to a goal",
             tool::relevant, "kr3_reason relevant domain.kr3 --history day.hist --goal \"on(red)\"");
     addHistory(relevant);
-    relevant.add_option("--goal", arguments_.goal, "a FORMULA over literals")->required();
+    require(relevant, relevant.add_option("--goal", arguments_.goal, "a FORMULA over literals"));
 
     CLI::App& import_sparc =
         add("import-sparc", "Bring a SPARC program of the common subset to this language",
@@ -152,11 +151,23 @@ private:
     sub->add_flag("--exit-code", arguments_.exit_code,
                   "exit with 4 when the answer is negative (see kr3_reason --help)");
     sub->footer("\nFor example:\n  " + indented(examples));
-    sub->callback([this, name, command] {
+    sub->callback([this, sub, name, command] {
+      const auto required = required_.find(sub);
+      if (required != required_.end() && required->second->count() == 0)
+      {
+        throw CLI::RequiredError(required->second->get_name());
+      }
       arguments_.command = name;
       command_ = command;
     });
     return *sub;
+  }
+
+  /// CLI11 itself would call a missing option first and hide the misspelt one.
+  void require(CLI::App& command, CLI::Option* option)
+  {
+    option->description(option->get_description() + " (required)");
+    required_[&command] = option;
   }
 
   static std::string indented(std::string lines)
@@ -217,9 +228,11 @@ private:
 
   CLI::App app_{
       "Questions about a domain description and a history: kr3_reason COMMAND FILE... "
-      "[--history FILE]"};
+      "[--history FILE]",
+      "kr3_reason"};
   Arguments& arguments_;
   Command command_ = nullptr;
+  std::map<const CLI::App*, const CLI::Option*> required_;
 };
 
 /// Tells an error on stderr, and with --format json as an object on stdout too.
@@ -265,6 +278,10 @@ int main(int argc, char** argv)
   try
   {
     line.app().parse(argc, argv);
+    if (line.chosen() == nullptr)
+    {
+      throw CLI::RequiredError("A command");
+    }
   }
   catch (const CLI::ParseError& e)
   {

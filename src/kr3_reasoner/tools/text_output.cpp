@@ -124,8 +124,8 @@ std::string modelsText(const Json& answer)
     }
   }
   return text + (answer["complete"].get<bool>() ? "\n" + counted(models.size(), "model") + "\n"
-                                                : "\nThe first " + counted(models.size(), "model") +
-                                                      "; there are more (--limit N, --all)\n");
+                                                : "\nOnly " + counted(models.size(), "model") +
+                                                      " of more (--limit N, --all)\n");
 }
 
 std::string diagnoseText(const Json& answer)
