@@ -20,6 +20,10 @@ public:
     return component_[a] == component_[b];
   }
 
+  /// Number of a node's component, from 1: an edge leads to the same or a smaller one.
+  [[nodiscard]] std::size_t component(std::size_t node) const { return component_[node]; }
+  [[nodiscard]] std::size_t numComponents() const { return last_component_; }
+
 private:
   struct Visit
   {

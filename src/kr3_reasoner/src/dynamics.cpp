@@ -4,7 +4,8 @@
 #include <utility>
 
 #include "ground_fluents.hpp"
-#include "solver.hpp"
+#include "step_grounder.hpp"
+#include "step_text.hpp"
 
 namespace kr3::reasoner
 {
@@ -14,17 +15,6 @@ namespace
 
 using AtomId = GroundProgram::AtomId;
 
-// The state before the transition and the occurrences are inputs, so nothing may be simplified
-// away. The state after it may have any value, since inertia is added only later.
-const char* const kInputRules = R"(
-#external h(_F,_V,0) : fv(_F,_V).
-#external h(_F,true,0) : defined(_F).
-#external ne(_F,_V,0) : watched(_F,_V).
-#external occ(_A,0) : agent(_A).
-#external occ(_A,0) : exog(_A).
-)";
-const char* const kOutputRules = "#external h(_F,_V,1) : fv(_F,_V).\n";
-
 enum Programs
 {
   kInitial,
@@ -33,70 +23,32 @@ enum Programs
   kTransition
 };
 
-/// The description as if there were no exogenous actions.
-Description withoutExogenous(Description description)
+StepProgram groundedStep(const Description& description, bool exogenous,
+                         const std::vector<GroundFluent>& fluents,
+                         const std::vector<Dynamics::Action>& actions, const SearchLimit& limit)
 {
-  const auto isExogenous = [&](const std::string& name) {
-    const ActionDeclaration* action = description.findAction(name);
-    return action != nullptr && action->exogenous;
-  };
-  auto& laws = description.causal_laws;
-  laws.erase(std::remove_if(laws.begin(), laws.end(),
-                            [&](const CausalLaw& law) { return isExogenous(law.action.name); }),
-             laws.end());
-  auto& rules = description.executabilities;
-  rules.erase(std::remove_if(
-                  rules.begin(), rules.end(),
-                  [&](const Executability& rule) {
-    return std::any_of(rule.actions.begin(), rule.actions.end(), [&](const auto& action) {
-      const auto* atom = std::get_if<Atom>(&action);
-      return atom != nullptr && isExogenous(atom->name);
-    });
-                  }),
-              rules.end());
-  auto& actions = description.actions;
-  actions.erase(std::remove_if(actions.begin(), actions.end(),
-                               [](const ActionDeclaration& action) { return action.exogenous; }),
-                actions.end());
-  return description;
+  if (canGroundStep(description))
+  {
+    Vocabulary vocabulary(description);
+    const Statics statics(vocabulary, limit);
+    return groundStep(vocabulary, statics, Signature(vocabulary, exogenous), limit);
+  }
+  std::vector<GroundAction> used;
+  for (const Dynamics::Action& action : actions)
+  {
+    used.push_back({action.name, action.symbol.name(), action.arguments});
+  }
+  return groundStepText(description, fluents, used, limit);
 }
 
 }  // namespace
-
-Clingo::Symbol toSymbol(const std::string& constant)
-{
-  const bool number =
-      constant.find_first_not_of("0123456789", constant[0] == '-' ? 1 : 0) == std::string::npos;
-  return number ? Clingo::Number(std::stoi(constant)) : Clingo::Id(constant.c_str());
-}
-
-Clingo::Symbol toSymbol(const std::string& name, const std::vector<std::string>& arguments)
-{
-  Clingo::SymbolVector symbols;
-  for (const std::string& argument : arguments)
-  {
-    symbols.push_back(toSymbol(argument));
-  }
-  return Clingo::Function(name.c_str(), {symbols.data(), symbols.size()});
-}
-
-Clingo::Symbol toSymbol(const Atom& ground)
-{
-  std::vector<std::string> arguments;
-  for (const Term& argument : ground.arguments)
-  {
-    arguments.push_back(argument.name);
-  }
-  return toSymbol(ground.name, arguments);
-}
 
 Dynamics::Dynamics(const Description& description, bool exogenous, const SearchLimit& limit)
   : fluents_(groundFluents(description))
 {
   numberFluents();
-  const Description used = exogenous ? description : withoutExogenous(description);
-  numberActions(used);
-  buildPrograms(ground(used, limit));
+  numberActions(description, exogenous);
+  buildPrograms(groundedStep(description, exogenous, fluents_, actions_, limit));
 }
 
 void Dynamics::numberFluents()
@@ -109,122 +61,37 @@ void Dynamics::numberFluents()
     first_value_.push_back(num_values_);
     num_values_ += fluents_[f].values.size();
   }
-  before_.assign(num_values_, 0);
-  now_.assign(num_values_, 0);
 }
 
-void Dynamics::numberActions(const Description& description)
+void Dynamics::numberActions(const Description& description, bool exogenous)
 {
   for (const ActionDeclaration& action : description.actions)
   {
+    if (action.exogenous && !exogenous)
+    {
+      continue;
+    }
     for (const auto& arguments : argumentTuples(action.argument_sorts, description))
     {
       const auto number = static_cast<int>(actions_.size());
       actions_.push_back({groundName(action.name, arguments), arguments,
                           toSymbol(action.name, arguments), action.exogenous, 0, 0});
       action_numbers_.emplace(actions_.back().name, number);
-      action_symbols_.emplace(actions_.back().symbol, number);
     }
-  }
-}
-
-Dynamics::Rules Dynamics::ground(const Description& description, const SearchLimit& limit)
-{
-  const Encoding encoding(description);
-  GroundProgramRecorder recorder;
-  Solver solver({"--warn=none"}, limit);
-  solver.control().register_observer(recorder, true);
-  solver.add("base", {}, encoding.signature() + kInputRules);
-  solver.add("outputs", {}, kOutputRules);
-  solver.add("executability", {"_t"}, encoding.executability());
-  solver.add("prices", {"_t"}, encoding.prices());
-  solver.add("effects", {"_t"}, encoding.effects());
-  solver.add("state", {"_t"}, encoding.constraints());
-  Rules rules;
-  GroundProgram facts;
-  recorder.recordInto(facts);
-  solver.ground({{"base", {}}, {"outputs", {}}});
-  recorder.recordInto(rules.executability);
-  solver.ground({{"executability", {1}}});
-  recorder.recordInto(rules.prices);
-  solver.ground({{"prices", {1}}});
-  recorder.recordInto(rules.effects);
-  solver.ground({{"effects", {1}}});
-  recorder.recordInto(rules.state);
-  solver.ground({{"state", {1}}});
-  readAtoms(solver.control().symbolic_atoms());
-  return rules;
-}
-
-void Dynamics::readAtoms(const Clingo::SymbolicAtoms& atoms)
-{
-  std::vector<std::unordered_map<Clingo::Symbol, std::size_t>> values(fluents_.size());
-  const auto valueOf = [&](std::size_t fluent, Clingo::Symbol value) {
-    auto& numbers = values[fluent];
-    if (numbers.empty())
-    {
-      for (const std::string& name : fluents_[fluent].values)
-      {
-        numbers.emplace(toSymbol(name), numbers.size());
-      }
-    }
-    return numbers.at(value);
-  };
-  for (auto it = atoms.begin(Clingo::Signature("h", 3)); it; ++it)
-  {
-    const auto arguments = it->symbol().arguments();
-    const auto fluent = static_cast<std::size_t>(fluent_symbols_.at(arguments[0]));
-    auto& numbered = arguments[2].number() == 0 ? before_ : now_;
-    numbered[first_value_[fluent] + valueOf(fluent, arguments[1])] =
-        static_cast<AtomId>(it->literal());
-  }
-  // Further atoms that last from step to step follow the values of fluents.
-  std::unordered_map<std::string, std::size_t> carried;
-  for (const bool before : {true, false})
-  {
-    for (auto it = atoms.begin(Clingo::Signature("ne", 3)); it; ++it)
-    {
-      const auto arguments = it->symbol().arguments();
-      if ((arguments[2].number() == 0) != before)
-      {
-        continue;
-      }
-      const std::string name = arguments[0].to_string() + "!=" + arguments[1].to_string();
-      const auto [place, fresh] = carried.emplace(name, now_.size());
-      if (fresh)
-      {
-        before_.push_back(0);
-        now_.push_back(0);
-      }
-      (before ? before_ : now_)[place->second] = static_cast<AtomId>(it->literal());
-    }
-  }
-  const auto readActions = [&](const char* name, AtomId Action::*atom) {
-    for (auto it = atoms.begin(Clingo::Signature(name, 2)); it; ++it)
-    {
-      const auto found = action_symbols_.find(it->symbol().arguments()[0]);
-      actions_[static_cast<std::size_t>(found->second)].*atom = static_cast<AtomId>(it->literal());
-    }
-  };
-  readActions("occ", &Action::occurs);
-  readActions("imp", &Action::impossible);
-  prices_.resize(actions_.size());
-  for (auto it = atoms.begin(Clingo::Signature("price", 3)); it; ++it)
-  {
-    const auto arguments = it->symbol().arguments();
-    prices_[static_cast<std::size_t>(action_symbols_.at(arguments[0]))].push_back(
-        {arguments[1].number(), static_cast<AtomId>(it->literal())});
-  }
-  for (std::vector<PriceAtom>& prices : prices_)
-  {
-    std::sort(prices.begin(), prices.end(),
-              [](const PriceAtom& a, const PriceAtom& b) { return a.cost_milli > b.cost_milli; });
   }
 }
 
 /// Adds what holds for every description: that a fluent has one value, and that it keeps it.
-void Dynamics::buildPrograms(Rules rules)
+void Dynamics::buildPrograms(StepProgram rules)
 {
+  before_ = std::move(rules.before);
+  now_ = std::move(rules.now);
+  prices_ = std::move(rules.prices_of);
+  for (std::size_t a = 0; a < actions_.size(); ++a)
+  {
+    actions_[a].occurs = rules.occurs[a];
+    actions_[a].impossible = rules.impossible[a];
+  }
   std::vector<std::vector<AtomId>> groups;
   GroundProgram initial = rules.state;
   GroundProgram transition = std::move(rules.effects);
@@ -371,7 +238,7 @@ std::vector<std::vector<ActionPrice>> Dynamics::prices(const StateLiterals& stat
   std::vector<std::vector<ActionPrice>> prices(actions_.size());
   for (std::size_t a = 0; a < actions_.size(); ++a)
   {
-    for (const PriceAtom& price : prices_[a])
+    for (const StepProgram::Price& price : prices_[a])
     {
       prices[a].push_back({price.cost_milli, values[price.atom]});
     }

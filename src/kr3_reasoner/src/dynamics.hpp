@@ -6,10 +6,11 @@
 
 #include <clingo.hh>
 
-#include "encoding.hpp"
 #include "kr3_reasoner/transition_system.hpp"
 #include "partial_evaluator.hpp"
 #include "search_limit.hpp"
+#include "step_program.hpp"
+#include "symbol_text.hpp"
 
 namespace kr3::reasoner
 {
@@ -27,8 +28,8 @@ struct ActionPrice
 
 /// What a description says of one state and of one transition, grounded once and for all steps.
 ///
-/// The text of Encoding is grounded by clingo for one generic step; its rules are then instantiated
-/// step by step without clingo's grounder. Private to the package; not thread-safe.
+/// Its rules are grounded for one generic step (groundStep, or groundStepText where only clingo
+/// can) and then instantiated step by step. Private to the package; not thread-safe.
 class Dynamics
 {
 public:
@@ -86,24 +87,9 @@ public:
                                         const std::vector<SolverLiteral>& occurs, RuleSink& sink);
 
 private:
-  struct Rules
-  {
-    GroundProgram state;
-    GroundProgram effects;
-    GroundProgram executability;
-    GroundProgram prices;
-  };
-  struct PriceAtom
-  {
-    long cost_milli;
-    GroundProgram::AtomId atom;
-  };
-
   void numberFluents();
-  void numberActions(const Description& description);
-  [[nodiscard]] Rules ground(const Description& description, const SearchLimit& limit);
-  void readAtoms(const Clingo::SymbolicAtoms& atoms);
-  void buildPrograms(Rules rules);
+  void numberActions(const Description& description, bool exogenous);
+  void buildPrograms(StepProgram rules);
   [[nodiscard]] StateLiterals read(const std::vector<SolverLiteral>& values) const;
   void write(const StateLiterals& state, std::vector<SolverLiteral>& values) const;
 
@@ -113,19 +99,12 @@ private:
   std::unordered_map<std::string, int> fluent_numbers_;
   std::unordered_map<Clingo::Symbol, int> fluent_symbols_;
   std::unordered_map<std::string, int> action_numbers_;
-  std::unordered_map<Clingo::Symbol, int> action_symbols_;
   std::size_t num_values_ = 0;
   // Atoms of `fluent = value` before and after a transition, 0 where there is none.
   std::vector<GroundProgram::AtomId> before_;
   std::vector<GroundProgram::AtomId> now_;
-  std::vector<std::vector<PriceAtom>> prices_;  // by action
-  std::vector<PartialEvaluator> programs_;      // see the enumeration in the source
+  std::vector<std::vector<StepProgram::Price>> prices_;  // by action
+  std::vector<PartialEvaluator> programs_;               // see the enumeration in the source
 };
-
-/// `rob1` or `3` as a symbol; `loc(rob1)` of a name with arguments.
-[[nodiscard]] Clingo::Symbol toSymbol(const std::string& constant);
-[[nodiscard]] Clingo::Symbol toSymbol(const std::string& name,
-                                      const std::vector<std::string>& arguments);
-[[nodiscard]] Clingo::Symbol toSymbol(const Atom& ground);
 
 }  // namespace kr3::reasoner

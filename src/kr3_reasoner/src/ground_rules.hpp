@@ -6,21 +6,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "kr3_reasoner/language.hpp"
+#include "conditions.hpp"
 
 namespace kr3::reasoner
 {
-
-/// A constant by number; kUnbound: not bound to any. Private to the package, as all of this file.
-using ConstantId = int;
-constexpr ConstantId kUnbound = -1;
-
-/// A constant or a variable of a rule, by number.
-struct Slot
-{
-  bool is_variable = false;
-  int id = 0;
-};
 
 /// A literal of a rule; boolean fluents have the values `true` and `false` and `equal` set.
 struct RuleLiteral
@@ -98,8 +87,6 @@ struct GroundAtomHash
 {
   std::size_t operator()(const GroundAtom& atom) const;
 };
-
-using RuleBinding = std::vector<ConstantId>;  ///< by the number of the variable
 
 /// The rules of a description, whose ground instances are made on demand: those that mention a
 /// given fluent or action. Cost of construction: linear in the text of the description.

@@ -14,6 +14,7 @@ int Propagation::addVariable(int size)
   offsets_.push_back(num_literals_);
   num_literals_ += 2 * static_cast<std::size_t>(size);
   known_.resize(num_literals_, -1);
+  trail_place_.resize(num_literals_, 0);
   falsifies_.resize(num_literals_);
   num_excluded_.push_back(0);
   if (size == 1)
@@ -59,12 +60,8 @@ void Propagation::addClause(std::vector<FiniteLiteral> literals, int origin)
     const std::size_t falsifier = index(negated(literal));
     falsifies_[falsifier].push_back(clauses_.size());
     // what is known but waits to be processed is counted when it is
-    const int known = known_[falsifier];
-    const bool waits =
-        known >= 0 &&
-        std::any_of(trail_.begin() + static_cast<std::ptrdiff_t>(num_processed_), trail_.end(),
-                    [&](const FiniteLiteral& other) { return index(other) == falsifier; });
-    clause.num_false += known >= 0 && !waits ? 1 : 0;
+    const bool counts = known_[falsifier] >= 0 && trail_place_[falsifier] < num_processed_;
+    clause.num_false += counts ? 1 : 0;
   }
   clauses_.push_back(std::move(clause));
   if (clauses_.back().num_false + 1 >= clauses_.back().literals.size())
@@ -106,7 +103,9 @@ void Propagation::know(const FiniteLiteral& literal, int inference)
     }
     return;
   }
-  known_[index(literal)] = inference;
+  const std::size_t place = index(literal);
+  known_[place] = inference;
+  trail_place_[place] = trail_.size();
   trail_.push_back(literal);
 }
 

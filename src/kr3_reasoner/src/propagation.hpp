@@ -117,6 +117,7 @@ private:
   std::vector<std::size_t> offsets_;
   std::size_t num_literals_ = 0;
   std::vector<int> known_;                           // inference of each literal, or -1
+  std::vector<std::size_t> trail_place_;             // of each literal that is known
   std::vector<std::vector<std::size_t>> falsifies_;  // clauses with the literal's negation
   std::vector<int> num_excluded_;                    // values of each variable
   std::vector<Clause> clauses_;
