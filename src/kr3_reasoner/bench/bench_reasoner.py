@@ -170,9 +170,20 @@ def histories(bench: Bench, quick: bool) -> None:
     for size, goal in [(small, 0.10)] + ([] if quick else [(Size(80, 200), 0.8)]):
         files = bench.files(size, "moved", rooms_domain.moved(size))
         bench.measure("diagnosis, exogenous actions", size, ["diagnose", *files], goal)
+    missions(bench, small, quick)
     middle = Size(40, 100)
     files = bench.files(middle, "open", rooms_domain.open_places(middle))
     bench.measure("plans for 39 hypotheses", middle, ["plan", *files, PARCEL_GOAL], 0.5)
+
+
+def missions(bench: Bench, size: Size, quick: bool) -> None:
+    """CPU seconds a step; `ratio` is that of the last 100 steps to the first 100."""
+    files = bench.files(size, "start", rooms_domain.start(size))
+    steps = "400" if quick else "1000"
+    command = ["mission", *files, "--steps", steps, "--window", "10"]
+    bench.measure("step of a mission, progressed", size, command, None, runs=1)
+    command = ["mission", *files, "--steps", "200"]
+    bench.measure("step of a mission, 200 steps kept", size, command, None, runs=1)
 
 
 def growth(rows: list[Row]) -> None:

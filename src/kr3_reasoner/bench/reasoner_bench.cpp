@@ -16,6 +16,7 @@
 #include <kr3_common/error.hpp>
 
 #include "kr3_reasoner/reasoner.hpp"
+#include "mission_bench.hpp"
 
 namespace
 {
@@ -34,6 +35,8 @@ struct Arguments
   std::string literal;
   std::string record;
   int repetitions = 20;
+  int steps = 1000;
+  int window = 0;
   bool all_knowledge = false;
   double extra_share = 0.0;
 };
@@ -116,6 +119,12 @@ json diagnose(const Arguments& arguments)
   return {{"cost", diagnosis.cost}, {"explanations", diagnosis.explanations.size()}};
 }
 
+json mission(const Arguments& arguments)
+{
+  return kr3::reasoner::bench::mission(arguments.domain, arguments.history, arguments.steps,
+                                       arguments.window);
+}
+
 /// Grounds and solves an answer set program at one go.
 json ground(const Arguments& arguments)
 {
@@ -163,6 +172,10 @@ int main(int argc, char** argv)
       ->add_option("literal", arguments.literal, "the literal")
       ->required();
   withHistory(add("diagnose", "explain the history", diagnose));
+  CLI::App* walk = withHistory(add("mission", "ask at each step of a long mission", mission));
+  walk->add_option("--steps", arguments.steps, "how many")->check(CLI::PositiveNumber);
+  walk->add_option("--window", arguments.window, "steps that are kept; 0: all")
+      ->check(CLI::NonNegativeNumber);
   add("ground", "solve an answer set program", ground);
   CLI11_PARSE(app, argc, argv);
   try

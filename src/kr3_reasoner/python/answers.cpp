@@ -64,7 +64,13 @@ void bindDiagnosis(py::module_& module)
       .def_readonly("assumed", &PrintedModel::assumed, "as in Diagnosis.explanations")
       .def_readonly("states", &PrintedModel::states,
                     "at each step the value of every fluent, as a literal")
-      .def_readonly("actions", &PrintedModel::actions, "what occurs at each step but the last");
+      .def_readonly("actions", &PrintedModel::actions, "what occurs at each step but the last")
+      .def_readonly("first_step", &PrintedModel::first_step, "of states and actions");
+  py::class_<Progress>(module, "Progress", "What became of a wish to progress a history.")
+      .def_readonly("first_step", &Progress::first_step, "where the history begins now")
+      .def_readonly("num_records", &Progress::num_records, "that are left")
+      .def_readonly("kept_because", &Progress::kept_because,
+                    "what could not be represented, in words");
 }
 
 void bindExplanation(py::module_& module)

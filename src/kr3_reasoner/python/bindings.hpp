@@ -32,6 +32,7 @@ struct PrintedModel
   std::vector<std::string> assumed;
   std::vector<std::vector<std::string>> states;
   std::vector<std::vector<std::string>> actions;
+  int first_step;
 };
 
 }  // namespace kr3::reasoner

@@ -37,6 +37,7 @@ std::vector<PrintedModel> printed(std::vector<HistoryModel> models, const Descri
     PrintedModel& text = texts.emplace_back();
     text.assumed = std::move(model.assumed);
     text.actions = std::move(model.actions);
+    text.first_step = model.first_step;
     for (const std::vector<Literal>& state : model.states)
     {
       text.states.push_back(textsOf(state, description));
@@ -50,8 +51,11 @@ void bindOptions(py::module_& module)
   py::class_<ReasonerOptions>(module, "ReasonerOptions",
                               "What a diagnosis may assume, and at what price.")
       .def(py::init([](bool exogenous, int exception_weight, int exogenous_weight,
-                       std::map<std::string, int> default_weights, int least_step) {
+                       std::map<std::string, int> default_weights, int least_step, int window,
+                       int max_combinations) {
              ReasonerOptions options;
+             options.window = window;
+             options.max_combinations = max_combinations;
              options.diagnose_exogenous = exogenous;
              options.exception_weight = exception_weight;
              options.exogenous_weight = exogenous_weight;
@@ -61,7 +65,8 @@ void bindOptions(py::module_& module)
            }),
            py::kw_only(), py::arg("diagnose_exogenous") = false, py::arg("exception_weight") = 1,
            py::arg("exogenous_weight") = 1,
-           py::arg("default_weights") = std::map<std::string, int>(), py::arg("least_step") = 0)
+           py::arg("default_weights") = std::map<std::string, int>(), py::arg("least_step") = 0,
+           py::arg("window") = 0, py::arg("max_combinations") = 1000)
       .def_readwrite("diagnose_exogenous", &ReasonerOptions::diagnose_exogenous,
                      "whether exogenous actions compete with exceptions from the start; otherwise "
                      "they are assumed only if no exception explains the history")
@@ -72,7 +77,11 @@ void bindOptions(py::module_& module)
       .def_readwrite("default_weights", &ReasonerOptions::default_weights,
                      "price of an exception to the named default, where it differs")
       .def_readwrite("least_step", &ReasonerOptions::least_step,
-                     "the current step is at least this, even if no record is about it");
+                     "the current step is at least this, even if no record is about it")
+      .def_readwrite("window", &ReasonerOptions::window,
+                     "about how many steps the history keeps; 0: all of them")
+      .def_readwrite("max_combinations", &ReasonerOptions::max_combinations,
+                     "of values that are kept when the history is progressed");
   py::class_<Cancellation, std::shared_ptr<Cancellation>>(
       module, "Cancellation", "Ends a call of plan from another thread: it raises Cancelled.")
       .def(py::init<>())
@@ -106,6 +115,15 @@ void bindHistory(ReasonerClass& reasoner)
           },
           py::arg("records"),
           "Extends the history; all records are taken or none. Raises InvalidArgument.")
+      .def(
+          "firstStep", [](R& r) { return r.look([](Reasoner& q) { return q.firstStep(); }); },
+          "The step at which the history begins: 0 until it is progressed.")
+      .def(
+          "progress",
+          [](R& r, int step) { return r.ask([&](Reasoner& q) { return q.progress(step); }); },
+          py::arg("step"),
+          "Lets the history begin at a later step. What earlier records say about it is kept; all "
+          "answers about later steps stay the same. Raises InvalidArgument, FailedPrecondition.")
       .def(
           "setLimits", [](R& r, std::chrono::milliseconds time_limit) { r.limitTime(time_limit); },
           py::arg("time_limit"),

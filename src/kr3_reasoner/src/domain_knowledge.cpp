@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <string>
 #include <unordered_set>
 #include <utility>
 
@@ -14,7 +15,7 @@ namespace kr3::reasoner
 namespace
 {
 
-const ReasonerOptions& checkedPrices(const ReasonerOptions& options)
+const ReasonerOptions& checkedOptions(const ReasonerOptions& options)
 {
   const auto& weights = options.default_weights;
   if (options.exception_weight < 1 || options.exogenous_weight < 1 ||
@@ -22,6 +23,13 @@ const ReasonerOptions& checkedPrices(const ReasonerOptions& options)
                   [](const auto& named) { return named.second < 1; }))
   {
     throw InvalidArgument("found a price of an assumption below 1, expected at least 1");
+  }
+  if (options.window < 0 || options.max_combinations < 1 || options.max_carried_explanations < 1)
+  {
+    throw InvalidArgument(
+        "found window " + std::to_string(options.window) + ", max_combinations " +
+        std::to_string(options.max_combinations) + " and max_carried_explanations " +
+        std::to_string(options.max_carried_explanations) + ", expected at least 0, 1 and 1");
   }
   return options;
 }
@@ -31,7 +39,9 @@ const ReasonerOptions& checkedPrices(const ReasonerOptions& options)
 DomainKnowledge::DomainKnowledge(Description description, const ReasonerOptions& options)
   : description_(std::move(description))
   , symbols_(description_)
-  , program_(description_, checkedPrices(options))
+  , program_(description_, checkedOptions(options))
+  , progression_({static_cast<std::size_t>(options.max_combinations),
+                  static_cast<std::size_t>(options.max_carried_explanations)})
 {
 }
 

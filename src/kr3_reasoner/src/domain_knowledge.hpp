@@ -7,6 +7,7 @@
 #include "instances.hpp"
 #include "kr3_reasoner/reasoner.hpp"
 #include "plan_program_store.hpp"
+#include "progression.hpp"
 #include "slice_store.hpp"
 #include "symbols.hpp"
 
@@ -19,7 +20,7 @@ namespace kr3::reasoner
 class DomainKnowledge
 {
 public:
-  /// @throws InvalidArgument  a price below 1
+  /// @throws InvalidArgument  a price below 1, or another option out of range
   DomainKnowledge(Description description, const ReasonerOptions& options);
   DomainKnowledge(const DomainKnowledge&) = delete;
   DomainKnowledge& operator=(const DomainKnowledge&) = delete;
@@ -54,6 +55,7 @@ public:
 
   [[nodiscard]] SliceStore& slices() { return slices_; }
   [[nodiscard]] PlanProgramStore& plans() { return plans_; }
+  [[nodiscard]] Progression& progression() { return progression_; }
 
 private:
   const Description description_;
@@ -63,6 +65,7 @@ private:
   std::unique_ptr<GroundRules> ground_rules_;
   int num_questions_ = 0;  // that are being answered, one within the other
   std::unique_ptr<ProblemSize> size_;
+  Progression progression_;
   SliceStore slices_;
   PlanProgramStore plans_;  // the last: they refer to the others
 };

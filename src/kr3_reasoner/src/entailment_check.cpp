@@ -39,9 +39,10 @@ HistoryCheck::HistoryCheck(const Description& description, const HistoryProgram&
   : description_(description)
   , laws_(description)
   , switchable_(switchable(description, laws_))
-  , program_(switchable_, program.options())
+  , program_(switchable_, program.options(), program.sharedBeginning())
   , num_records_(records.size())
-  , levels_(assumableLevels(records, current_step, program.options().diagnose_exogenous))
+  , levels_(assumableLevels(records, current_step, program.options().diagnose_exogenous,
+                            program.beginning() != nullptr && program.beginning()->uncertain))
   , solver_(std::make_unique<Solver>(
         std::vector<std::string>{"0", "--opt-strategy=usc", "--project=project", "--warn=none"},
         program.limit()))
@@ -52,6 +53,10 @@ HistoryCheck::HistoryCheck(const Description& description, const HistoryProgram&
   solver_->add("state", {"_t"}, openDefinitions(description, laws_));
   program_.groundHistory(*solver_, records, current_step, {current_step > 0, true}, true);
   solver_->ground({{"minimize", {}}});
+  if (firstStep() > 0)
+  {
+    set(Clingo::Id("begun"), true);
+  }
   const Clingo::SymbolicAtoms atoms = solver_->control().symbolic_atoms();
   for (auto it = atoms.begin(Clingo::Signature("off", 1)); it; ++it)
   {
@@ -69,6 +74,14 @@ void HistoryCheck::set(const Clingo::Symbol& external, bool value)
     solver_->control().assign_external(
         external, value ? Clingo::TruthValue::True : Clingo::TruthValue::False);
   }
+}
+
+bool HistoryCheck::entailWithoutBeginning(const Cited& kept, const Literal& literal, int step)
+{
+  set(Clingo::Id("begun"), false);
+  const bool entailed = entail(kept, literal, step);
+  set(Clingo::Id("begun"), true);
+  return entailed;
 }
 
 void HistoryCheck::choose(const Cited& kept)

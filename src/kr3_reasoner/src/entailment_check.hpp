@@ -47,6 +47,11 @@ public:
   /// inconsistent.
   [[nodiscard]] bool entail(const Cited& kept, const Literal& literal, int step);
 
+  /// The same without what is known of the first step of a history that was progressed.
+  [[nodiscard]] bool entailWithoutBeginning(const Cited& kept, const Literal& literal, int step);
+
+  [[nodiscard]] int firstStep() const { return program_.firstStep(); }
+
   /// The initial worlds of what is kept; empty when it is inconsistent or when there are more than
   /// `limit`.
   [[nodiscard]] std::vector<InitialWorld> worlds(const Cited& kept, std::size_t limit);

@@ -107,6 +107,10 @@ Reason Explainer::leafOf(const CitedItem& item) const
 std::optional<Explainer::Argument> Explainer::argue(const Cited& kept, const Literal& literal,
                                                     int step)
 {
+  if (check_->firstStep() > 0)
+  {
+    return std::nullopt;  // the history was progressed: what its beginning rests on is not kept
+  }
   const std::vector<InitialWorld> worlds = check_->worlds(kept, kMaxWorlds);
   std::vector<Argument> arguments;
   for (const InitialWorld& world : worlds)
@@ -154,6 +158,19 @@ Explainer::Argument Explainer::together(const Cited& kept, const Literal& litera
   for (const CitedItem& item : itemsOf(argument.cited))
   {
     argument.root.children.push_back(leafOf(item));
+  }
+  if (check_->firstStep() > 0 && !check_->entailWithoutBeginning(argument.cited, literal, step))
+  {
+    Reason carried;
+    carried.kind = ReasonKind::kCarried;
+    carried.step = check_->firstStep();
+    const std::string begun = "what was known when step " + std::to_string(carried.step) + " began";
+    carried.sentence = begun + ", from records that are no longer kept";
+    argument.root.children.push_back(std::move(carried));
+    argument.root.sentence =
+        argument.root.statement + " at step " + std::to_string(step) + " follows from " +
+        (argument.cited.records.empty() ? begun : "these records, " + begun) +
+        (argument.cited.records.empty() ? "" : ",") + " together with the description";
   }
   return argument;
 }

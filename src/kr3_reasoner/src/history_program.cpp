@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 namespace kr3::reasoner
 {
@@ -116,17 +117,29 @@ std::string variableTuple(const Encoding::Guards& guards)
 
 }  // namespace
 
-HistoryProgram::HistoryProgram(const Description& description, const ReasonerOptions& options)
-  : description_(description), options_(options), encoding_(description)
+HistoryProgram::HistoryProgram(const Description& description, const ReasonerOptions& options,
+                               std::shared_ptr<const Beginning> beginning)
+  : description_(description)
+  , options_(options)
+  , encoding_(description)
+  , beginning_(std::move(beginning))
+  , grounded_(std::make_shared<Grounded>())
 {
+}
+
+HistoryProgram HistoryProgram::beginningAt(std::shared_ptr<const Beginning> beginning) const
+{
+  HistoryProgram program = *this;
+  program.beginning_ = std::move(beginning);
+  return program;
 }
 
 Dynamics& HistoryProgram::dynamics(bool exogenous) const
 {
-  std::unique_ptr<Dynamics>& kept = exogenous ? exogenous_dynamics_ : dynamics_;
+  std::unique_ptr<Dynamics>& kept = exogenous ? grounded_->exogenous_dynamics : grounded_->dynamics;
   if (!kept)
   {
-    kept = std::make_unique<Dynamics>(description_, exogenous, limit_);
+    kept = std::make_unique<Dynamics>(description_, exogenous, limit());
   }
   return *kept;
 }
@@ -143,12 +156,13 @@ std::shared_ptr<Closure> HistoryProgram::closureFor(const std::vector<CheckedRec
       statements.push_back(statement);
     }
   }
-  if (!closure_ || !closure_->covers(statements))
+  std::shared_ptr<Closure>& kept = grounded_->closure;
+  if (!kept || !kept->covers(statements))
   {
-    closure_ = std::make_shared<Closure>(encoding_.vocabulary() + closure(), std::move(statements),
-                                         limit_);
+    kept = std::make_shared<Closure>(encoding_.vocabulary() + closure(), std::move(statements),
+                                     limit());
   }
-  return closure_;
+  return kept;
 }
 
 std::string HistoryProgram::initialStatement(const CheckedRecord& record) const
@@ -356,10 +370,61 @@ std::string HistoryProgram::closure() const
   text +=
       "weight(_X,_P) :- abducible(_X), _P = #min { _Q : price(_X,_Q) }, price(_X,_).\n#defined "
       "price/2.\n";
-  text += "weight(exo(_A,_I)," + std::to_string(options_.exogenous_weight) +
-          ") :- abducible(exo(_A,_I)).\n";
-  text += "weight(fail(_A,_I)," + std::to_string(options_.exogenous_weight) +
-          ") :- abducible(fail(_A,_I)), not imp(_A,_I).\n";
+  return text + weightRules();
+}
+
+/// Prices of what is assumed besides exceptions.
+std::string HistoryProgram::weightRules() const
+{
+  const std::string weight = std::to_string(options_.exogenous_weight);
+  return "weight(exo(_A,_I)," + weight + ") :- abducible(exo(_A,_I)).\n" + "weight(fail(_A,_I)," +
+         weight + ") :- abducible(fail(_A,_I)), not imp(_A,_I).\n";
+}
+
+std::string HistoryProgram::initialRules() const
+{
+  if (!beginning_)
+  {
+    return closure() + kInitialStateRules;
+  }
+  return "\n% ---- The history was progressed: it begins at a later step. ----\n" + weightRules() +
+         "{ ab(_X) } :- abducible(_X).\n1 { h(_F,_V," + std::to_string(firstStep()) +
+         ") : fv(_F,_V) } 1 :- basic(_F).\n#show h/3. #show ab/1. #show st/2.\n"
+         "#defined ab/1. #defined abducible/1. #defined weight/2. #defined doubt/2. #defined "
+         "hd/4. #defined c/2. #defined cn/2.\n";
+}
+
+/// What is known of the first step.
+std::string HistoryProgram::beginningRules(const Assumable& assumable, bool switchable) const
+{
+  if (!beginning_)
+  {
+    return "";
+  }
+  std::string text = (switchable ? "#external begun.\n" : "begun.\n") + factRules(*beginning_);
+  if (!switchable)
+  {
+    return text + levelRules(beginning_->level(assumable), indexOf(assumable), "", firstStep());
+  }
+  for (const bool exogenous : {false, true})
+  {
+    const std::string guard = exogenous ? "allowed(exogenous)" : "not allowed(exogenous)";
+    const bool alike =
+        &beginning_->level({exogenous, true}) == &beginning_->level({exogenous, false});
+    for (const bool retractions : {false, true})
+    {
+      const Assumable kinds{exogenous, retractions};
+      if (alike && retractions)
+      {
+        continue;
+      }
+      text += levelRules(beginning_->level(kinds), indexOf(kinds),
+                         guard + (alike         ? ""
+                                  : retractions ? ", allowed(retraction)"
+                                                : ", not allowed(retraction)"),
+                         firstStep());
+    }
+  }
   return text;
 }
 
@@ -416,12 +481,12 @@ std::string HistoryProgram::recordRules(const std::vector<CheckedRecord>& record
       text += ":- " + holds + (literal.equal ? ", not h(" : ", h(") + pair + "," + step + ").\n";
     }
   }
-  return text + "#defined rec/1. #defined said/1.\n";
+  return text + "#defined rec/1. #defined said/1.\n" + beginningRules(assumable, switchable);
 }
 
 void HistoryProgram::addTo(Solver& solver) const
 {
-  solver.add("base", {}, encoding_.signature() + closure() + kInitialStateRules);
+  solver.add("base", {}, encoding_.signature() + initialRules());
   solver.add("state", {"_t"}, encoding_.state());
   solver.add("trans", {"_t"}, encoding_.transition());
   solver.add("exo", {"_t"}, kExogenousRules);
@@ -434,8 +499,8 @@ void HistoryProgram::groundHistory(Solver& solver, const std::vector<CheckedReco
                                    bool switchable) const
 {
   solver.add("records", {}, recordRules(records, assumable, switchable));
-  std::vector<Solver::Part> parts = {{"base", {}}, {"state", {0}}, {"records", {}}};
-  for (int step = 1; step <= current_step; ++step)
+  std::vector<Solver::Part> parts = {{"base", {}}, {"state", {firstStep()}}, {"records", {}}};
+  for (int step = firstStep() + 1; step <= current_step; ++step)
   {
     parts.push_back({"trans", {step}});
     parts.push_back({"state", {step}});
@@ -455,11 +520,11 @@ void HistoryProgram::groundBound(Solver& solver, const Price& price)
 std::string HistoryProgram::text(const std::vector<CheckedRecord>& records,
                                  const Assumable& assumable) const
 {
-  return "#program base.\n" + encoding_.signature() + closure() + kInitialStateRules +
-         "\n#program state(_t).\n" + encoding_.state() + "\n#program trans(_t).\n" +
-         encoding_.transition() + "\n#program exo(_t).\n" + kExogenousRules +
-         "\n#program minimize.\n" + kMinimizeRules + "\n#program bound(r,a).\n" + kBoundRules +
-         "\n#program records.\n" + recordRules(records, assumable, false);
+  return "#program base.\n" + encoding_.signature() + initialRules() + "\n#program state(_t).\n" +
+         encoding_.state() + "\n#program trans(_t).\n" + encoding_.transition() +
+         "\n#program exo(_t).\n" + kExogenousRules + "\n#program minimize.\n" + kMinimizeRules +
+         "\n#program bound(r,a).\n" + kBoundRules + "\n#program records.\n" +
+         recordRules(records, assumable, false);
 }
 
 }  // namespace kr3::reasoner

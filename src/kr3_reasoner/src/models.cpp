@@ -76,7 +76,7 @@ std::vector<Clingo::atom_t> openAtoms(const std::vector<SolverLiteral>& literals
 std::vector<SolverLiteral> stateLiterals(const UnrolledHistory& history)
 {
   std::vector<SolverLiteral> literals;
-  for (int step = 0; step <= history.currentStep(); ++step)
+  for (int step = history.firstStep(); step <= history.currentStep(); ++step)
   {
     const StateLiterals& state = history.state(step);
     literals.insert(literals.end(), state.begin(), state.end());
@@ -161,9 +161,13 @@ std::optional<SettledAssumptions> candidates(const HistoryProgram& program, cons
   SettledAssumptions open;
   for (const AssumedLiteral& assumption : solved.history->assumptions())
   {
-    if (!isConstant(assumption.literal) &&
-        needed.count(
-            components.representative(static_cast<AtomComponents::Atom>(assumption.literal))) > 0)
+    if (assumption.literal == kTrueLiteral)
+    {
+      open.emplace(assumption.what, kTrueLiteral);  // only a beginning calls for it at once
+    }
+    else if (assumption.literal != kFalseLiteral &&
+             needed.count(components.representative(
+                 static_cast<AtomComponents::Atom>(assumption.literal))) > 0)
     {
       open.emplace(assumption.what, PartialEvaluator::kOpen);
     }
@@ -259,7 +263,9 @@ std::optional<Optimum> findOptimum(const HistoryProgram& program, const Records&
     }
     return none;
   }
-  const auto levels = assumableLevels(records, current_step, exogenous_first, start.uncertain);
+  const bool uncertain =
+      start.uncertain || (program.beginning() != nullptr && program.beginning()->uncertain);
+  const auto levels = assumableLevels(records, current_step, exogenous_first, uncertain);
   for (auto level = static_cast<std::size_t>(start.level); level < levels.size(); ++level)
   {
     if (auto optimum = minimalPrice(program, records, current_step, levels[level]))
@@ -345,7 +351,7 @@ std::vector<SymbolicModel> modelsOf(const HistoryProgram& program, const Records
   forEachModel(solved, literals, [&](const Clingo::Model& model) {
     SymbolicModel read;
     read.assumed = assumedIn(model, history);
-    for (int step = 0; step <= current_step; ++step)
+    for (int step = history.firstStep(); step <= current_step; ++step)
     {
       for (std::size_t f = 0; f < dynamics.fluents().size(); ++f)
       {
@@ -363,7 +369,7 @@ std::vector<SymbolicModel> modelsOf(const HistoryProgram& program, const Records
         }
       }
     }
-    for (int step = 0; step < current_step; ++step)
+    for (int step = history.firstStep(); step < current_step; ++step)
     {
       const std::vector<SolverLiteral>& occurs = history.occurrences(step);
       for (std::size_t a = 0; a < occurs.size(); ++a)

@@ -354,10 +354,10 @@ private:
   std::string unverified_;  // why a plan that may be right was not accepted
 };
 
-Planner::Planner(DomainKnowledge& domain, const std::vector<CheckedRecord>& records,
-                 int current_step, const Optimum& optimum, const Consequences& consequences)
-  : problem_{domain,  domain.description(), domain.program(), records, current_step,
-             optimum, consequences}
+Planner::Planner(DomainKnowledge& domain, const HistoryProgram& program,
+                 const std::vector<CheckedRecord>& records, int current_step,
+                 const Optimum& optimum, const Consequences& consequences)
+  : problem_{domain, domain.description(), program, records, current_step, optimum, consequences}
 {
 }
 

@@ -21,8 +21,9 @@ class Planner
 {
 public:
   /// All must outlive the planner.
-  Planner(DomainKnowledge& domain, const std::vector<CheckedRecord>& records, int current_step,
-          const Optimum& optimum, const Consequences& consequences);
+  Planner(DomainKnowledge& domain, const HistoryProgram& program,
+          const std::vector<CheckedRecord>& records, int current_step, const Optimum& optimum,
+          const Consequences& consequences);
 
   /// @throws as Reasoner::plan
   [[nodiscard]] PlanResult plan(const Formula& goal, const PlanOptions& options,

@@ -41,24 +41,55 @@ int Reasoner::currentStep() const
   return impl_->currentStep();
 }
 
+int Reasoner::firstStep() const
+{
+  return impl_->program().firstStep();
+}
+
 void Reasoner::setHistory(std::vector<Record> records)
 {
   std::vector<CheckedRecord> checked;
   for (const Record& record : records)
   {
-    checked.push_back(checkRecord(record, impl_->symbols()));
+    checked.push_back(impl_->checked(record, 0));
   }
-  impl_->take(std::move(checked));
+  impl_->begin(nullptr, std::move(checked));
+  impl_->keepWindow();
 }
 
 void Reasoner::addRecords(const std::vector<Record>& records)
 {
-  std::vector<CheckedRecord> checked = impl_->records();
-  for (const Record& record : records)
+  impl_->add(records);
+  impl_->keepWindow();
+}
+
+void Reasoner::follow(const Reasoner& other)
+{
+  const ReasonerOptions& own = impl_->options();
+  const ReasonerOptions& others = other.impl_->options();
+  const bool same_prices = own.exception_weight == others.exception_weight &&
+                           own.exogenous_weight == others.exogenous_weight &&
+                           own.default_weights == others.default_weights;
+  if (other.firstStep() > 0 && !same_prices)
   {
-    checked.push_back(checkRecord(record, impl_->symbols()));
+    throw FailedPrecondition("the history was progressed to step " +
+                             std::to_string(other.firstStep()) +
+                             " with other prices of exceptions and exogenous actions");
   }
-  impl_->take(std::move(checked));
+  impl_->begin(other.impl_->beginning(), other.impl_->records());
+}
+
+Progress Reasoner::progress(int step)
+{
+  if (step < firstStep() || step > currentStep())
+  {
+    throw InvalidArgument("found step " + std::to_string(step) +
+                          " to progress to, expected one from " + std::to_string(firstStep()) +
+                          " to the current step " + std::to_string(currentStep()));
+  }
+  const auto question = impl_->ask("progression");
+  static_cast<void>(impl_->requiredOptimum());
+  return impl_->progress(step, 0);
 }
 
 void Reasoner::setLimits(const Limits& limits)
@@ -92,6 +123,7 @@ bool Reasoner::possible(const std::string& literal, int step) const
 std::vector<HistoryModel> Reasoner::models(std::size_t limit) const
 {
   const auto question = impl_->ask("the enumeration of models");
+  const int first = impl_->program().firstStep();
   const int last = impl_->currentStep();
   static_cast<void>(impl_->consequences(last));  // refuses an inconsistent history
   const std::vector<GroundFluent> fluents = groundFluents(impl_->description());
@@ -115,18 +147,21 @@ std::vector<HistoryModel> Reasoner::models(std::size_t limit) const
     {
       state.push_back(literalOf(fluent, "false"));  // what no definition makes true
     }
-    model.states.assign(static_cast<std::size_t>(last) + 1, state);
+    model.first_step = first;
+    model.states.assign(static_cast<std::size_t>(last - first) + 1, state);
     for (const Clingo::Symbol& holds : symbolic.holds)
     {
       const auto arguments = holds.arguments();
-      model.states[static_cast<std::size_t>(arguments[2].number())][index.at(toText(arguments[0]))]
+      model
+          .states[static_cast<std::size_t>(arguments[2].number() - first)]
+                 [index.at(toText(arguments[0]))]
           .value.name = toText(arguments[1]);
     }
-    model.actions.resize(static_cast<std::size_t>(last));
+    model.actions.resize(static_cast<std::size_t>(last - first));
     for (const Clingo::Symbol& occurs : symbolic.occurs)
     {
       const auto arguments = occurs.arguments();
-      model.actions[static_cast<std::size_t>(arguments[1].number())].push_back(
+      model.actions[static_cast<std::size_t>(arguments[1].number() - first)].push_back(
           toText(arguments[0]));
     }
     models.push_back(std::move(model));
@@ -201,7 +236,7 @@ PlanResult Reasoner::plan(const std::string& goal, const PlanOptions& asked,
   // What raw answer set programming code depends on, nothing says: then all is relevant.
   if (options.relevant_only && impl_->description().asp_blocks.empty())
   {
-    return RelevantPlanner(*impl_->knowledge(), impl_->records(), step, formula)
+    return RelevantPlanner(*impl_->knowledge(), impl_->records(), step, formula, impl_->beginning())
         .plan(options, cancel);
   }
   if (!impl_->optimum())
@@ -210,8 +245,8 @@ PlanResult Reasoner::plan(const std::string& goal, const PlanOptions& asked,
     result.reason = "the history is inconsistent: " + impl_->conflictText();
     return result;
   }
-  const Planner planner(*impl_->knowledge(), impl_->records(), step, *impl_->optimum(),
-                        impl_->consequences(step));
+  const Planner planner(*impl_->knowledge(), impl_->program(), impl_->records(), step,
+                        *impl_->optimum(), impl_->consequences(step));
   PlanResult result = planner.plan(formula, options, cancel);
   result.whole = impl_->knowledge()->size(impl_->records().size());
   result.considered = result.whole;
@@ -221,7 +256,8 @@ PlanResult Reasoner::plan(const std::string& goal, const PlanOptions& asked,
 RelevantPart Reasoner::relevant(const std::string& goal) const
 {
   const Formula formula = parseGoal(goal, impl_->description());
-  return Slicer(*impl_->knowledge(), impl_->records(), impl_->currentStep(), formula)
+  return Slicer(*impl_->knowledge(), impl_->records(), impl_->currentStep(), formula,
+                impl_->beginning())
       .report(kFirstHorizon);
 }
 

@@ -14,6 +14,7 @@ Diagnosis Reasoner::diagnose() const
   Diagnosis diagnosis;
   const std::optional<Optimum>& optimum = impl_->optimum();
   diagnosis.consistent = optimum.has_value();
+  const int first = impl_->program().firstStep();
   if (!optimum)
   {
     diagnosis.conflict_records =
@@ -23,7 +24,10 @@ Diagnosis Reasoner::diagnose() const
       diagnosis.conflict.push_back(toString(impl_->history()[i]));
     }
     diagnosis.conflict_in_words =
-        "these records cannot all be right: " + impl_->conflictText(diagnosis.conflict_records);
+        "these records cannot all be right" +
+        (first == 0 ? std::string()
+                    : ", given what is known since step " + std::to_string(first) + " began") +
+        ": " + impl_->conflictText(diagnosis.conflict_records);
     return diagnosis;
   }
   diagnosis.cost = optimum->price.assumptions + optimum->price.retractions;
@@ -45,7 +49,8 @@ Diagnosis Reasoner::diagnose() const
     }
     diagnosis.explanations.push_back(std::move(statements));
     diagnosis.in_words.push_back(alternative.in_words);
-    if (diagnosis.alternatives.size() < kMaxJustifiedAlternatives)
+    // What called for an assumption may be a record that is no longer kept.
+    if (diagnosis.alternatives.size() < kMaxJustifiedAlternatives && first == 0)
     {
       explainer.justify(alternative, explanation);
     }
@@ -89,7 +94,10 @@ OpenQuestion Reasoner::whyUnknown(const std::string& text, int step) const
     return question;
   }
   question.reasons.push_back(fluent + at + " may be " + listed(question.values));
-  for (const GroundDefault& instance : words.defaultsAbout(literal.atom))
+  const std::vector<GroundDefault> defaults = impl_->program().firstStep() == 0
+                                                  ? words.defaultsAbout(literal.atom)
+                                                  : std::vector<GroundDefault>{};
+  for (const GroundDefault& instance : defaults)
   {
     std::vector<std::string> unknown;
     for (const Literal& condition : instance.body)

@@ -1,6 +1,7 @@
 #include "reasoner_impl.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -12,14 +13,18 @@
 namespace kr3::reasoner
 {
 
-Reasoner::Impl::Impl(std::shared_ptr<DomainKnowledge> knowledge, int least_step)
-  : knowledge_(std::move(knowledge)), least_step_(least_step)
+Reasoner::Impl::Impl(std::shared_ptr<DomainKnowledge> knowledge, int least_step,
+                     std::shared_ptr<const Beginning> beginning)
+  : knowledge_(std::move(knowledge))
+  , least_step_(least_step)
+  , beginning_(std::move(beginning))
+  , program_(std::make_unique<HistoryProgram>(knowledge_->program().beginningAt(beginning_)))
 {
 }
 
 int Reasoner::Impl::currentStep() const
 {
-  int step = least_step_;
+  int step = std::max(least_step_, program().firstStep());
   for (const CheckedRecord& checked : records_)
   {
     step = std::max(step, checked.record.step + (checked.isAction() ? 1 : 0));
@@ -29,7 +34,19 @@ int Reasoner::Impl::currentStep() const
 
 Words Reasoner::Impl::words() const
 {
-  return {description(), options(), instances(), records_};
+  return {description(), options(), instances(), records_, beginning_.get()};
+}
+
+CheckedRecord Reasoner::Impl::checked(const Record& record, int first_step) const
+{
+  CheckedRecord checked = checkRecord(record, symbols());
+  if (record.step < first_step)
+  {
+    throw InvalidArgument("the record " + toString(record) + ": found step " +
+                          std::to_string(record.step) + ", but the history begins at step " +
+                          std::to_string(first_step) + ", to which it was progressed");
+  }
+  return checked;
 }
 
 void Reasoner::Impl::take(std::vector<CheckedRecord> records)
@@ -43,6 +60,67 @@ void Reasoner::Impl::take(std::vector<CheckedRecord> records)
   optimum_.reset();
   consequences_.reset();
   check_.reset();
+}
+
+void Reasoner::Impl::begin(std::shared_ptr<const Beginning> beginning,
+                           std::vector<CheckedRecord> records)
+{
+  tried_ = 0;
+  take(std::move(records));
+  beginning_ = std::move(beginning);
+  program_ = std::make_unique<HistoryProgram>(knowledge_->program().beginningAt(beginning_));
+}
+
+void Reasoner::Impl::add(const std::vector<Record>& records)
+{
+  std::vector<CheckedRecord> all = records_;
+  for (const Record& record : records)
+  {
+    all.push_back(checked(record, program().firstStep()));
+  }
+  take(std::move(all));
+}
+
+// ---- Progression ----
+
+Progress Reasoner::Impl::progress(int step, int earliest)
+{
+  Progress result;
+  for (int first = step; first > program().firstStep() && first >= earliest; --first)
+  {
+    Progression::Result progressed =
+        knowledge_->progression().progressed(program(), records_, first);
+    if (progressed.beginning)
+    {
+      std::vector<CheckedRecord> kept;
+      std::copy_if(records_.begin(), records_.end(), std::back_inserter(kept),
+                   [&](const CheckedRecord& checked) { return checked.record.step >= first; });
+      begin(std::move(progressed.beginning), std::move(kept));
+      break;
+    }
+    if (result.kept_because.empty())
+    {
+      result.kept_because = std::move(progressed.obstacles);
+    }
+  }
+  result.first_step = program().firstStep();
+  result.num_records = records_.size();
+  return result;
+}
+
+/// In batches, so that each is paid for by the steps since the last.
+void Reasoner::Impl::keepWindow()
+{
+  const int window = options().window;
+  const int batch = std::max(1, window / 2);
+  const int now = currentStep();
+  for (int from = std::max(program().firstStep(), tried_);
+       window > 0 && now >= from + window + batch && optimum(); from = tried_)
+  {
+    const int target = std::min(now - window, from + window + batch);  // a part at a time
+    progress(target, target);
+    tried_ = target;
+  }
 }
 
 // ---- What follows from the history ----
@@ -68,10 +146,10 @@ const Optimum& Reasoner::Impl::requiredOptimum()
 
 void Reasoner::Impl::checkStep(int step) const
 {
-  if (step < 0 || step > currentStep())
+  if (step < program().firstStep() || step > currentStep())
   {
-    throw InvalidArgument("found step " + std::to_string(step) +
-                          ", expected one from 0 to the current step " +
+    throw InvalidArgument("found step " + std::to_string(step) + ", expected one from " +
+                          std::to_string(program().firstStep()) + " to the current step " +
                           std::to_string(currentStep()));
   }
 }
@@ -147,7 +225,7 @@ Explanation Reasoner::Impl::explain(const Literal& literal, int step)
     fact.reasons = {fact.proof.sentence};
     return fact;
   }
-  if (isLarge())
+  if (isLarge() && program().firstStep() == 0)
   {
     ExplainedPart part(*knowledge_, records_, currentStep(), literal, program().limit());
     if (auto explanation = part.explain(literal, step, Laws(description())))
@@ -186,7 +264,7 @@ Reasoner Reasoner::Impl::without(const std::vector<std::size_t>& given_up) const
       kept.push_back(records_[i]);
     }
   }
-  auto impl = std::make_unique<Impl>(knowledge_, currentStep());
+  auto impl = std::make_unique<Impl>(knowledge_, currentStep(), beginning_);
   impl->setLimits(limits_);
   impl->take(std::move(kept));
   return Reasoner(std::move(impl));

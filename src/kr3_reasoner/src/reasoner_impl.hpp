@@ -20,12 +20,15 @@ namespace kr3::reasoner
 class Reasoner::Impl
 {
 public:
-  Impl(std::shared_ptr<DomainKnowledge> knowledge, int least_step);
+  /// @param beginning  nullptr: step 0
+  Impl(std::shared_ptr<DomainKnowledge> knowledge, int least_step,
+       std::shared_ptr<const Beginning> beginning = nullptr);
 
   [[nodiscard]] const std::shared_ptr<DomainKnowledge>& knowledge() const { return knowledge_; }
   [[nodiscard]] const Description& description() const { return knowledge_->description(); }
   [[nodiscard]] const ReasonerOptions& options() const { return knowledge_->options(); }
-  [[nodiscard]] const HistoryProgram& program() const { return knowledge_->program(); }
+  [[nodiscard]] const HistoryProgram& program() const { return *program_; }
+  [[nodiscard]] const std::shared_ptr<const Beginning>& beginning() const { return beginning_; }
   [[nodiscard]] const Symbols& symbols() const { return knowledge_->symbols(); }
   [[nodiscard]] const Instances& instances() const { return knowledge_->instances(); }
   [[nodiscard]] const std::vector<CheckedRecord>& records() const { return records_; }
@@ -33,6 +36,9 @@ public:
   [[nodiscard]] int leastStep() const { return least_step_; }
   [[nodiscard]] int currentStep() const;
   [[nodiscard]] Words words() const;
+
+  /// @throws InvalidArgument  it does not fit the description, or is about a step before the first
+  [[nodiscard]] CheckedRecord checked(const Record& record, int first_step) const;
 
   void take(std::vector<CheckedRecord> records);
 
@@ -44,6 +50,17 @@ public:
   {
     return {*knowledge_, limits_, name};
   }
+  /// The same, with a beginning; nullptr: step 0.
+  void begin(std::shared_ptr<const Beginning> beginning, std::vector<CheckedRecord> records);
+
+  void add(const std::vector<Record>& records);
+
+  /// Lets the history begin at a step, or at the latest one before it where that can be
+  /// represented, but not before `earliest`.
+  Progress progress(int step, int earliest);
+
+  /// Progresses the history when it is longer than ReasonerOptions::window.
+  void keepWindow();
 
   /// The minimal price of the history; nothing when it is inconsistent.
   const std::optional<Optimum>& optimum();
@@ -80,6 +97,9 @@ private:
   std::shared_ptr<DomainKnowledge> knowledge_;  // with the reasoners that this one supposes
   int least_step_;
   Limits limits_;
+  std::shared_ptr<const Beginning> beginning_;
+  std::unique_ptr<const HistoryProgram> program_;
+  int tried_ = 0;  ///< the last step to which keepWindow() tried to progress
   std::vector<CheckedRecord> records_;
   std::vector<Record> history_;
   std::unique_ptr<std::optional<Optimum>> optimum_;

@@ -15,10 +15,11 @@ constexpr std::size_t kMaxRetractions = 8;
 
 Reasoner Reasoner::supposing(const std::vector<Record>& hypothetical) const
 {
-  Reasoner reasoner(std::make_unique<Impl>(impl_->knowledge(), impl_->leastStep()));
+  Reasoner reasoner(
+      std::make_unique<Impl>(impl_->knowledge(), impl_->leastStep(), impl_->beginning()));
   reasoner.impl_->setLimits(impl_->limits());
   reasoner.impl_->take(impl_->records());
-  reasoner.addRecords(hypothetical);
+  reasoner.impl_->add(hypothetical);
   return reasoner;
 }
 

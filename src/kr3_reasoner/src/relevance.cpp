@@ -6,9 +6,17 @@ namespace kr3::reasoner
 {
 
 Relevance::Relevance(const GroundRules& rules, const std::vector<CheckedRecord>& records,
-                     int current_step, Purpose purpose)
-  : rules_(rules), records_(records), current_step_(current_step), purpose_(purpose)
+                     int current_step, Purpose purpose, const Beginning* beginning)
+  : rules_(rules)
+  , records_(records)
+  , current_step_(current_step)
+  , purpose_(purpose)
+  , first_step_(firstStepOf(beginning))
 {
+  if (beginning != nullptr)
+  {
+    readBeginning(*beginning);
+  }
   findOpenPositions();
   readRecords();
   findEvidence();
@@ -231,6 +239,18 @@ void Relevance::expandFluent(int item)
         }
         case Kind::kCost:
           break;
+      }
+    }
+  }
+  const auto ties = ties_of_.find(fluent);
+  if (ties != ties_of_.end())
+  {
+    for (const std::size_t component : ties->second)
+    {
+      for (const GroundAtom& other : joined_[component])
+      {
+        addFluent(other, {item, "what is known of step " + std::to_string(first_step_) +
+                                    " ties it to " + rules_.fluentText(fluent)});
       }
     }
   }

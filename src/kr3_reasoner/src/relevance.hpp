@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "beginning.hpp"
 #include "ground_rules.hpp"
 #include "history.hpp"
 #include "kr3_reasoner/reasoner.hpp"
@@ -30,6 +31,9 @@ namespace kr3::reasoner
 ///    effect, its executability conditions and the conditions of its costs are relevant;
 ///  - what a useful action changes is relevant if a constraint that is not dead mentions it.
 /// A definition makes its fluent relevant only where that carries evidence or is asked for.
+///
+/// Where a history was progressed, the fluents of a component of its beginning carry evidence about
+/// each other, too.
 ///
 /// Why this is exact: actions that are not useful can be left out of every plan, since what they
 /// change appears in no condition that can ever matter to a useful action or the goal; and minimal
@@ -57,8 +61,9 @@ public:
   };
 
   /// All must outlive this.
+  /// @param beginning  of a history that was progressed, or nullptr
   Relevance(const GroundRules& rules, const std::vector<CheckedRecord>& records, int current_step,
-            Purpose purpose);
+            Purpose purpose, const Beginning* beginning);
 
   /// Asks for the fluents of a goal.
   void addGoal(const Formula& goal);
@@ -105,6 +110,7 @@ private:
   };
 
   void findOpenPositions();
+  void readBeginning(const Beginning& beginning);
   void readRecords();
   void findEvidence();
   void expandOccurrences();
@@ -136,6 +142,7 @@ private:
   const std::vector<CheckedRecord>& records_;
   int current_step_;
   Purpose purpose_;
+  int first_step_;
   std::vector<std::vector<bool>> open_position_;
   std::vector<bool> evidence_;   // by symbol of a defined fluent: it can carry evidence
   std::vector<bool> exogenous_;  // by symbol: exogenous actions change it
@@ -150,6 +157,10 @@ private:
   std::unordered_map<GroundAtom, int, GroundAtomHash> action_item_;
   std::map<std::size_t, Occurrence> occurrences_;  // by record
   std::unordered_map<GroundAtom, std::vector<std::size_t>, GroundAtomHash> occurrences_of_;
+
+  std::unordered_set<GroundAtom, GroundAtomHash> open_at_first_;  // in components of the beginning
+  std::vector<std::vector<GroundAtom>> joined_;  // fluents of components of the beginning
+  std::unordered_map<GroundAtom, std::vector<std::size_t>, GroundAtomHash> ties_of_;
 
   std::vector<std::function<void()>> tasks_;  // kept: those that rest on constant values run again
   std::vector<std::size_t> queue_;

@@ -30,12 +30,37 @@ void Relevance::findOpenPositions()
   }
 }
 
+void Relevance::readBeginning(const Beginning& beginning)
+{
+  for (const auto& level : beginning.levels)
+  {
+    for (const BeginningComponent& component : level->components)
+    {
+      if (component.fluents.size() < 2)
+      {
+        for (const OpenFluent& fluent : component.fluents)
+        {
+          open_at_first_.insert(rules_.ground(fluent.atom, false));
+        }
+        continue;
+      }
+      joined_.emplace_back();
+      for (const OpenFluent& fluent : component.fluents)
+      {
+        joined_.back().push_back(rules_.ground(fluent.atom, false));
+        open_at_first_.insert(joined_.back().back());
+        ties_of_[joined_.back().back()].push_back(joined_.size() - 1);
+      }
+    }
+  }
+}
+
 void Relevance::readRecords()
 {
   std::unordered_set<GroundAtom, GroundAtomHash> contradicted;
   for (const CheckedRecord& checked : records_)
   {
-    const bool initially = checked.record.step == 0 && checked.record.confidence >= 1.0;
+    const bool initially = checked.record.step == first_step_ && checked.record.confidence >= 1.0;
     if (checked.isAction() || !initially || !checked.literal.equal)
     {
       continue;
@@ -250,13 +275,17 @@ bool Relevance::isPlainFact(std::size_t record) const
   const auto known = known_.find(fluent);
   const bool changes = exogenous_[fluent.symbol] || changed_.count(fluent) > 0;
   return known != known_.end() && known->second == rules_.constant(checked.literal.value.name) &&
-         (!changes || checked.record.step == 0) && !isTied(fluent);
+         (!changes || checked.record.step == first_step_) && !isTied(fluent);
 }
 
 /// Whether a constraint or default that what is known initially does not satisfy ties a fluent to
-/// something else.
+/// something else, or a beginning gives its values prices.
 bool Relevance::isTied(const GroundAtom& fluent) const
 {
+  if (open_at_first_.count(fluent) > 0)
+  {
+    return true;
+  }
   const auto [place, fresh] = tied_.emplace(fluent, false);
   if (!fresh)
   {

@@ -20,12 +20,16 @@ namespace
 using Clock = std::chrono::steady_clock;
 
 std::string conflictText(const HistoryProgram& program, const std::vector<CheckedRecord>& records,
-                         int current_step)
+                         std::size_t num_facts, int current_step)
 {
   std::string text = "the history is inconsistent: ";
   const char* separator = "";
   for (const std::size_t i : minimalConflict(program, records, current_step))
   {
+    if (i < num_facts)
+    {
+      continue;  // known from records that are no longer kept
+    }
     text += separator + toString(records[i].record);
     separator = "; ";
   }
@@ -56,26 +60,27 @@ void checkPlanOptions(const PlanOptions& options)
 /// A slice with its history explained; without an optimum the history is inconsistent.
 struct RelevantPlanner::Explained
 {
-  Explained(Slice part, const SearchLimit& limit) : slice(std::move(part))
+  Explained(Slice part, const SearchLimit& limit)
+    : slice(std::move(part)), program(slice.domain->program().beginningAt(slice.beginning))
   {
     slice.domain->limitTo(limit);
   }
 
-  [[nodiscard]] const HistoryProgram& program() const { return slice.domain->program(); }
-
   Slice slice;
+  HistoryProgram program;
   std::optional<Optimum> optimum;
   std::unique_ptr<Consequences> consequences;
   std::string conflict;
 };
 
 RelevantPlanner::RelevantPlanner(DomainKnowledge& whole, const std::vector<CheckedRecord>& records,
-                                 int current_step, const Formula& goal)
+                                 int current_step, const Formula& goal,
+                                 std::shared_ptr<const Beginning> beginning)
   : records_(records)
   , current_step_(current_step)
   , options_(whole.options())
   , goal_(goal)
-  , slicer_(whole, records, current_step, goal)
+  , slicer_(whole, records, current_step, goal, std::move(beginning))
 {
 }
 
@@ -88,16 +93,16 @@ RelevantPlanner::Explained RelevantPlanner::explain(Slice slice, const Explained
     return !checked.isAction() && checked.record.confidence < 1.0;
   });
   const auto optimumOf = [&](const Explained& part) {
-    return findOptimum(part.program(), part.slice.records, current_step_,
-                       options_.diagnose_exogenous, start);
+    return findOptimum(part.program, part.slice.records, current_step_, options_.diagnose_exogenous,
+                       start);
   };
   for (;;)
   {
     explained.optimum = optimumOf(explained);
     if (!explained.optimum)
     {
-      explained.conflict =
-          conflictText(explained.program(), explained.slice.records, current_step_);
+      explained.conflict = conflictText(explained.program, explained.slice.records,
+                                        explained.slice.num_facts, current_step_);
       return explained;
     }
     start.level = explained.optimum->level;
@@ -109,7 +114,8 @@ RelevantPlanner::Explained RelevantPlanner::explain(Slice slice, const Explained
     if (!other)
     {
       explained.optimum.reset();
-      explained.conflict = conflictText(rest->program(), rest->slice.records, current_step_);
+      explained.conflict =
+          conflictText(rest->program, rest->slice.records, rest->slice.num_facts, current_step_);
       return explained;
     }
     if (other->level == start.level)
@@ -119,7 +125,7 @@ RelevantPlanner::Explained RelevantPlanner::explain(Slice slice, const Explained
     start.level = other->level;
   }
   explained.consequences =
-      std::make_unique<Consequences>(explained.slice.domain->description(), explained.program(),
+      std::make_unique<Consequences>(explained.slice.domain->description(), explained.program,
                                      explained.slice.records, current_step_, *explained.optimum);
   return explained;
 }
@@ -188,8 +194,8 @@ PlanResult RelevantPlanner::plan(const PlanOptions& options, const std::atomic<b
     limited.max_horizon = slice.spares.empty() ? options.max_horizon : horizon;
     limited.time_limit =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
-    const Planner planner(*slice.domain, slice.records, current_step_, *explained.optimum,
-                          *explained.consequences);
+    const Planner planner(*slice.domain, explained.program, slice.records, current_step_,
+                          *explained.optimum, *explained.consequences);
     PlanResult result = planner.plan(goal_, limited, cancel);
     if (result.goal_entailed || result.covers_all || limited.max_horizon == options.max_horizon)
     {

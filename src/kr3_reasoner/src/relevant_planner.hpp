@@ -26,8 +26,10 @@ class RelevantPlanner
 {
 public:
   /// All must outlive this.
+  /// @param beginning  of a history that was progressed, or nullptr
   RelevantPlanner(DomainKnowledge& whole, const std::vector<CheckedRecord>& records,
-                  int current_step, const Formula& goal);
+                  int current_step, const Formula& goal,
+                  std::shared_ptr<const Beginning> beginning);
 
   /// @throws as Reasoner::plan
   [[nodiscard]] PlanResult plan(const PlanOptions& options, const std::atomic<bool>* cancel) const;

@@ -60,7 +60,7 @@ std::vector<std::vector<std::size_t>> retractionSets(
   const Encoding encoding(description);
   Solver solver({"0", "--opt-strategy=usc", "--warn=none"}, program.limit());
   program.addTo(solver);
-  std::string wanted;
+  std::string wanted = ":- ab(wrong(_R)), _R < 0.\n";  // what is no longer kept stays
   for (const Literal& literal : excluded)
   {
     wanted += ":- " + encoding.literal(literal, std::to_string(step)) + ".\n";

@@ -18,19 +18,43 @@ bool isNumeric(const std::string& name)
   return name.find_first_not_of("-0123456789") == std::string::npos;
 }
 
+/// The records after those that say the facts of a beginning.
+std::vector<CheckedRecord> withFacts(const Beginning& beginning,
+                                     const std::vector<CheckedRecord>& records)
+{
+  std::vector<CheckedRecord> all;
+  for (const Literal& fact : beginning.facts)
+  {
+    CheckedRecord said;
+    said.record.statement = toString(fact);
+    said.record.step = beginning.first_step;
+    said.literal = fact;
+    all.push_back(std::move(said));
+  }
+  all.insert(all.end(), records.begin(), records.end());
+  return all;
+}
+
 }  // namespace
 
 Slicer::Slicer(DomainKnowledge& whole, const std::vector<CheckedRecord>& records, int current_step,
-               const Formula& goal)
+               const Formula& goal, std::shared_ptr<const Beginning> beginning)
   : whole_(whole)
   , rules_(whole.groundRules())
-  , records_(records)
+  , beginning_(std::move(beginning))
+  , with_facts_(beginning_ ? withFacts(*beginning_, records) : std::vector<CheckedRecord>{})
+  , records_(beginning_ ? with_facts_ : records)
   , current_step_(current_step)
   , goal_(goal)
-  , relevance_(rules_, records, current_step, Relevance::Purpose::kPlan)
+  , relevance_(rules_, records_, current_step, Relevance::Purpose::kPlan, beginning_.get())
 {
   relevance_.addGoal(goal);
   relevance_.close();
+}
+
+std::size_t Slicer::numFacts() const
+{
+  return beginning_ ? beginning_->facts.size() : 0;
 }
 
 /// Asks for all fluents over a share of the constants that do not matter; these constants.
@@ -119,7 +143,7 @@ Slice Slicer::forGoal(std::optional<int> horizon, double extra_share) const
   {
     return cutFor(relevance_, {}, horizon);
   }
-  Relevance more(rules_, records_, current_step_, Relevance::Purpose::kPlan);
+  Relevance more(rules_, records_, current_step_, Relevance::Purpose::kPlan, beginning_.get());
   more.addGoal(goal_);
   more.close();
   const std::vector<ConstantId> extra = addShare(more, extra_share);
@@ -129,7 +153,7 @@ Slice Slicer::forGoal(std::optional<int> horizon, double extra_share) const
 std::optional<Slice> Slicer::forRest() const
 {
   std::vector<std::size_t> left;
-  for (std::size_t i = 0; i < records_.size(); ++i)
+  for (std::size_t i = numFacts(); i < records_.size(); ++i)
   {
     if (!relevance_.concerns(i) && !relevance_.isPlainFact(i))
     {
@@ -140,7 +164,7 @@ std::optional<Slice> Slicer::forRest() const
   {
     return std::nullopt;
   }
-  Relevance rest(rules_, records_, current_step_, Relevance::Purpose::kExplain);
+  Relevance rest(rules_, records_, current_step_, Relevance::Purpose::kExplain, beginning_.get());
   for (const std::size_t i : left)
   {
     rest.addRecord(i);
@@ -204,9 +228,9 @@ RelevantPart Slicer::report(int horizon) const
       }
     }
   }
-  for (const CheckedRecord& checked : slice.records)
+  for (std::size_t i = slice.num_facts; i < slice.records.size(); ++i)
   {
-    part.records.push_back(checked.record);
+    part.records.push_back(slice.records[i].record);
   }
   part.considered = slice.size;
   part.whole = wholeSize();

@@ -14,8 +14,10 @@ namespace kr3::reasoner
 /// the package.
 struct Slice
 {
-  std::shared_ptr<DomainKnowledge> domain;  ///< shared with earlier slices of the same content
-  std::vector<CheckedRecord> records;
+  std::shared_ptr<DomainKnowledge> domain;     ///< shared with earlier slices of the same content
+  std::vector<CheckedRecord> records;          ///< first those that say the facts of the beginning
+  std::size_t num_facts = 0;                   ///< of the records
+  std::shared_ptr<const Beginning> beginning;  ///< of a history that was progressed, or nullptr
   ProblemSize size;
 
   /// Constants that stand for others like them: nothing tells these apart, and some were left out,
@@ -29,8 +31,9 @@ class Slicer
 {
 public:
   /// All must outlive this.
+  /// @param beginning  of a history that was progressed, or nullptr
   Slicer(DomainKnowledge& whole, const std::vector<CheckedRecord>& records, int current_step,
-         const Formula& goal);
+         const Formula& goal, std::shared_ptr<const Beginning> beginning = nullptr);
 
   /// What can matter to the goal.
   /// @param horizon  longest plan that is wanted, for leaving out constants that are all alike;
@@ -44,17 +47,20 @@ public:
   /// As forGoal, with the reasons.
   [[nodiscard]] RelevantPart report(int horizon) const;
 
-  [[nodiscard]] ProblemSize wholeSize() const { return whole_.size(records_.size()); }
+  [[nodiscard]] ProblemSize wholeSize() const { return whole_.size(records_.size() - numFacts()); }
 
 private:
   class Cut;
 
+  [[nodiscard]] std::size_t numFacts() const;
   [[nodiscard]] Slice cutFor(const Relevance& relevance, const std::vector<ConstantId>& extra,
                              std::optional<int> horizon) const;
   [[nodiscard]] std::vector<ConstantId> addShare(Relevance& relevance, double share) const;
 
   DomainKnowledge& whole_;
   const GroundRules& rules_;
+  std::shared_ptr<const Beginning> beginning_;
+  std::vector<CheckedRecord> with_facts_;  // empty without a beginning
   const std::vector<CheckedRecord>& records_;
   int current_step_;
   const Formula& goal_;

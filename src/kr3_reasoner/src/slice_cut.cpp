@@ -51,6 +51,8 @@ Slicer::Cut::Cut(const Slicer& slicer, const Relevance& relevance)
   : whole_(slicer.whole_)
   , rules_(slicer.rules_)
   , records_(slicer.records_)
+  , beginning_(slicer.beginning_.get())
+  , num_facts_(slicer.numFacts())
   , current_step_(slicer.current_step_)
   , relevance_(relevance)
   , fluent_kept_(rules_.description().fluents.size(), false)
@@ -61,6 +63,7 @@ Slicer::Cut::Cut(const Slicer& slicer, const Relevance& relevance)
   , possible_(rules_.numConstants(), false)
 {
   keepItems();
+  keepBeginning();
   keepOccurrences();
 }
 
@@ -235,7 +238,10 @@ Slice Slicer::Cut::take() const
       slice.relevant.push_back(std::move(literal));
     }
   }
-  slice.size = slice.domain->size(slice.records.size());
+  slice.num_facts = static_cast<std::size_t>(std::count(
+      record_kept_.begin(), record_kept_.begin() + static_cast<std::ptrdiff_t>(num_facts_), true));
+  slice.beginning = beginning();
+  slice.size = slice.domain->size(slice.records.size() - slice.num_facts);
   return slice;
 }
 

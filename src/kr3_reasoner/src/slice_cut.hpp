@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,11 @@ private:
 
   void keepItems();
 
+  /// Values of relevant fluents that the beginning tells apart.
+  void keepBeginning();
+  [[nodiscard]] bool isRelevant(const BeginningComponent& component) const;
+  [[nodiscard]] std::shared_ptr<const Beginning> beginning() const;
+
   void keepOccurrences();
 
   void keepStaticRecords();
@@ -74,6 +80,8 @@ private:
   DomainKnowledge& whole_;
   const GroundRules& rules_;
   const std::vector<CheckedRecord>& records_;
+  const Beginning* beginning_;  // nullptr: step 0
+  std::size_t num_facts_;
   int current_step_;
   const Relevance& relevance_;
   std::vector<bool> fluent_kept_;  // statics too

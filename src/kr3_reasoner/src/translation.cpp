@@ -181,7 +181,8 @@ private:
   int num_parts_ = 0;
 };
 
-std::string header(int current_step, const Optimum& optimum, const TranslatedGoal* goal)
+std::string header(int first_step, int current_step, const Optimum& optimum,
+                   const TranslatedGoal* goal)
 {
   std::string text = goal == nullptr
                          ? "% A description with a history, as an answer set program. Each answer "
@@ -193,7 +194,9 @@ std::string header(int current_step, const Optimum& optimum, const TranslatedGoa
   text += "\n#const _now = " + std::to_string(current_step) + ".   % the current step\n";
   text += "#const _last = _now + " + std::to_string(goal == nullptr ? 0 : goal->length) +
           ".   % the last step\n";
-  text += "time(0.._last). transition(1.._last). past(1.._now).";
+  const std::string first = std::to_string(first_step);
+  const std::string next = std::to_string(first_step + 1);
+  text += "time(" + first + ".._last). transition(" + next + ".._last). past(" + next + ".._now).";
   text += goal == nullptr ? "\n" : " future(_now+1.._last).\n";
   text += "#const _price = " + std::to_string(optimum.price.assumptions) +
           ".     % minimal price of what is assumed\n";
@@ -223,7 +226,7 @@ std::string translationOf(const Description& description, const HistoryProgram& 
                           const Optimum& optimum, const TranslatedGoal* goal)
 {
   std::map<std::string, std::string> parts = partsOf(program.text(records, optimum.assumable));
-  std::string text = header(current_step, optimum, goal);
+  std::string text = header(program.firstStep(), current_step, optimum, goal);
   text += "\n% ---- Sorts, fluents and actions; what is known initially ----\n" +
           withoutShow(parts["base"]);
   text += "\n% ---- Every state ----\n" + overAllSteps(parts["state"], "_t", "time");

@@ -31,6 +31,7 @@ UnrolledHistory::UnrolledHistory(const HistoryProgram& program,
                                  Mode mode, RuleSink& sink)
   : program_(program)
   , mode_(mode)
+  , first_step_(program.firstStep())
   , dynamics_(program.dynamics(mode.assumable.exogenous ||
                                needsExogenous(program.description(), records)))
   , closure_(program.closureFor(records))
@@ -46,23 +47,32 @@ UnrolledHistory::UnrolledHistory(const HistoryProgram& program,
     const SolverLiteral kept = retractable(records, i, sink);
     holds_.push_back(sink.conjunction({holds, kept}));
   }
-  addInitialState(records, sink);
-  std::vector<std::vector<std::size_t>> observed(static_cast<std::size_t>(current_step) + 1);
+  if (program_.beginning() == nullptr)
+  {
+    addInitialState(records, sink);
+  }
+  else
+  {
+    addBeginning(records, sink);
+  }
+  std::vector<std::vector<std::size_t>> observed(
+      static_cast<std::size_t>(current_step - first_step_) + 1);
   for (std::size_t i = 0; i < records.size(); ++i)
   {
     if (!records[i].isAction())
     {
-      observed[static_cast<std::size_t>(records[i].record.step)].push_back(i);
+      observed[static_cast<std::size_t>(records[i].record.step - first_step_)].push_back(i);
     }
   }
-  for (int step = 0; step <= current_step; ++step)
+  for (int step = first_step_; step <= current_step; ++step)
   {
     program_.limit().check();
     if (step > 0)
+    if (step > first_step_)
     {
       addTransition(records, step, sink);
     }
-    for (const std::size_t i : observed[static_cast<std::size_t>(step)])
+    for (const std::size_t i : observed[static_cast<std::size_t>(step - first_step_)])
     {
       addObservation(records[i], holds_[i], sink);
     }
@@ -355,6 +365,10 @@ std::vector<UnrolledHistory::FiringDefault> UnrolledHistory::defaultsAbout(
     Clingo::Symbol fluent) const
 {
   std::vector<FiringDefault> firing;
+  if (closure_values_.empty())  // progressed: what fired is in the beginning
+  {
+    return firing;
+  }
   for (const Closure::DefaultInstance& instance : closure_->defaultsAbout(fluent))
   {
     firing.push_back({instance.name, closure_values_[instance.fires]});

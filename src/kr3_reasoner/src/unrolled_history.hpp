@@ -42,16 +42,20 @@ public:
 
   [[nodiscard]] Dynamics& dynamics() { return dynamics_; }
   [[nodiscard]] const Dynamics& dynamics() const { return dynamics_; }
-  [[nodiscard]] int currentStep() const { return static_cast<int>(states_.size()) - 1; }
+  [[nodiscard]] int firstStep() const { return first_step_; }
+  [[nodiscard]] int currentStep() const
+  {
+    return first_step_ + static_cast<int>(states_.size()) - 1;
+  }
   [[nodiscard]] const StateLiterals& state(int step) const
   {
-    return states_[static_cast<std::size_t>(step)];
+    return states_[static_cast<std::size_t>(step - first_step_)];
   }
 
   /// By action: the literal of its occurring between this step and the next.
   [[nodiscard]] const std::vector<SolverLiteral>& occurrences(int step) const
   {
-    return occurrences_[static_cast<std::size_t>(step)];
+    return occurrences_[static_cast<std::size_t>(step - first_step_)];
   }
 
   /// The literal of a ground literal of the language, statics included, at a step.
@@ -84,6 +88,12 @@ private:
   using Records = std::vector<CheckedRecord>;
 
   void addInitialState(const Records& records, RuleSink& sink);
+  /// The initial state of a history that was progressed.
+  void addBeginning(const Records& records, RuleSink& sink);
+  void addComponent(const BeginningComponent& component, StateLiterals& known, RuleSink& sink);
+  /// Whether these assumptions are all that a minimal explanation may and must make.
+  [[nodiscard]] bool agrees(const BeginningComponent& component,
+                            const std::vector<std::size_t>& explanation) const;
   void addTransition(const Records& records, int step, RuleSink& sink);
   void addObservation(const CheckedRecord& record, SolverLiteral holds, RuleSink& sink) const;
   [[nodiscard]] SolverLiteral retractable(const Records& records, std::size_t index,
@@ -98,6 +108,7 @@ private:
 
   const HistoryProgram& program_;
   Mode mode_;
+  int first_step_;
   Dynamics& dynamics_;
   std::shared_ptr<Closure> closure_;
   std::vector<SolverLiteral> switches_;

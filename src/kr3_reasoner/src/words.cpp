@@ -115,8 +115,7 @@ std::string Words::statement(const Clingo::Symbol& assumed) const
   {
     return "failed(" + toText(assumed.arguments()[0]) + ", " + toText(assumed.arguments()[1]) + ")";
   }
-  const auto index = static_cast<std::size_t>(assumed.arguments()[0].number());
-  return "wrong(" + toString(records_[index].record) + ")";
+  return "wrong(" + toString(recordOf(assumed.arguments()[0].number(), records_, beginning_)) + ")";
 }
 
 std::vector<GroundDefault> Words::defaultsAbout(const Atom& fluent) const
@@ -149,8 +148,9 @@ AssumedAction Words::assumedAction(const Clingo::Symbol& assumed) const
 
 std::size_t Words::wrongRecord(const Clingo::Symbol& assumed) const
 {
-  return is(assumed, "wrong", 1) ? static_cast<std::size_t>(assumed.arguments()[0].number())
-                                 : kNoRecord;
+  return is(assumed, "wrong", 1) && assumed.arguments()[0].number() >= 0
+             ? static_cast<std::size_t>(assumed.arguments()[0].number())
+             : kNoRecord;
 }
 
 bool Words::isException(const Clingo::Symbol& assumed) const
@@ -214,8 +214,8 @@ std::string Words::sentence(const Clingo::Symbol& assumed) const
     return "the action " + toText(assumed.arguments()[0]) + " at step " +
            toText(assumed.arguments()[1]) + " failed";
   }
-  const auto index = static_cast<std::size_t>(assumed.arguments()[0].number());
-  return "the record " + withPlace(records_[index].record) + " is wrong";
+  const int number = assumed.arguments()[0].number();
+  return "the record " + withPlace(recordOf(number, records_, beginning_)) + " is wrong";
 }
 
 Assumption Words::assumption(const Clingo::Symbol& assumed) const
@@ -226,8 +226,7 @@ Assumption Words::assumption(const Clingo::Symbol& assumed) const
   if (is(assumed, "wrong", 1))
   {
     assumption.kind = AssumptionKind::kWrongRecord;
-    assumption.price =
-        doubtOf(records_[static_cast<std::size_t>(assumed.arguments()[0].number())].record);
+    assumption.price = doubtOf(recordOf(assumed.arguments()[0].number(), records_, beginning_));
     return assumption;
   }
   if (is(assumed, "exo", 2) || is(assumed, "fail", 2))

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "beginning.hpp"
 #include "history.hpp"
 #include "instances.hpp"
 #include "solver.hpp"
@@ -52,9 +53,14 @@ class Words
 {
 public:
   /// All must outlive this object.
+  /// @param beginning  of a history that was progressed; nullptr: it was not
   Words(const Description& description, const ReasonerOptions& options, const Instances& instances,
-        const std::vector<CheckedRecord>& records)
-    : description_(description), options_(options), instances_(instances), records_(records)
+        const std::vector<CheckedRecord>& records, const Beginning* beginning = nullptr)
+    : description_(description)
+    , options_(options)
+    , instances_(instances)
+    , records_(records)
+    , beginning_(beginning)
   {
   }
 
@@ -85,7 +91,7 @@ public:
 
   [[nodiscard]] AssumedAction assumedAction(const Clingo::Symbol& assumed) const;
 
-  /// The record that an assumption calls wrong, or kNoRecord.
+  /// The record that an assumption calls wrong, or kNoRecord; that too if it is no longer kept.
   [[nodiscard]] std::size_t wrongRecord(const Clingo::Symbol& assumed) const;
 
   /// Whether an assumption is an exception to defaults.
@@ -96,6 +102,7 @@ private:
   const ReasonerOptions& options_;
   const Instances& instances_;
   const std::vector<CheckedRecord>& records_;
+  const Beginning* beginning_;  // nullptr: step 0
 };
 
 }  // namespace kr3::reasoner

@@ -35,6 +35,7 @@ from kr3_msgs.srv import (
     GetPossibleValues,
     GetState,
     ListModels,
+    ProgressHistory,
     ReloadDomain,
     SetHistory,
     Translate,
@@ -219,6 +220,23 @@ class ReasonerNodeTest(unittest.TestCase):
         self.assertIn("#show h/3.", translate("", 0).program)
         self.assertIn("_last = _now + 2.", translate("lit(red)", 2).program)
         self.assertEqual(translate("lit(", 2).status.code, Status.INVALID_ARGUMENT)
+
+    def test_a_progressed_history_goes_on(self):
+        add_records = service("reasoner/add_records", AddRecords)
+        self.assertEqual(add_records(3, [happened("flip(left)", 0)]).num_records, 4)
+        reply = service("reasoner/progress_history", ProgressHistory)(1)
+        self.assertEqual(reply.status.code, Status.OK, reply.status.message)
+        self.assertEqual((reply.first_step, reply.num_records, reply.kept_because), (1, 0, []))
+        self.assertEqual(service("reasoner/entails", Entails)("lit(red)", 1).answer, 1)
+        early = add_records(4, [observed("on(left)", True, 0)])
+        self.assertEqual(early.status.code, Status.INVALID_ARGUMENT)
+        self.assertEqual(add_records(4, [happened("flip(right)", 1)]).num_records, 5)
+        client = actionlib.SimpleActionClient("reasoner/plan", MakePlanAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(TIMEOUT_S)))
+        client.send_goal_and_wait(MakePlanGoal(goal="dark"), rospy.Duration(TIMEOUT_S))
+        result = client.get_result()
+        self.assertEqual(result.status.code, Status.OK, result.status.message)
+        self.assertEqual(len(result.plans[0].steps), 2)
 
     def test_tells_what_is_relevant(self):
         find = service("reasoner/find_relevant", FindRelevant)

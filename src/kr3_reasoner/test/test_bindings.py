@@ -100,6 +100,17 @@ def test_what_if_leaves_the_history_alone(reasoner):
     assert len(reasoner.history()) == 3
 
 
+def test_a_history_is_progressed(reasoner):
+    reasoner.addRecords([kr3.Record(kr3.RecordKind.kHappened, "flip(left)")])
+    progress = reasoner.progress(1)
+    assert (progress.first_step, progress.num_records, progress.kept_because) == (1, 0, [])
+    assert reasoner.firstStep() == reasoner.currentStep() == 1
+    assert reasoner.entails("lit(red)", 1) == kr3.Answer.kTrue
+    assert {model.first_step for model in reasoner.models()} == {1}
+    with pytest.raises(kr3.InvalidArgument, match="the history begins at step 1"):
+        reasoner.addRecords([kr3.Record(kr3.RecordKind.kObserved, "on(left)", step=0)])
+
+
 def test_plans_and_no_plans_are_results(reasoner):
     horizons = []
     options = kr3.PlanOptions(max_horizon=4, on_horizon=horizons.append)

@@ -93,6 +93,17 @@ def test_models_are_listed_up_to_a_limit(history):
     assert exogenous["models"][0]["assumed"] == ["init(broken(red), true)"]
 
 
+def test_a_history_may_begin_at_a_later_step(history, tmp_path):
+    day = tmp_path / "day.hist"
+    day.write_text(KNOWN + "hpd(flip(left), 0).\nhpd(flip(right), 1).\n", encoding="utf-8")
+    late = ("--history", str(day), "--progress", "1")
+    (model,) = answer("models", LAMPS, *late)["models"]
+    assert (model["first_step"], len(model["states"])) == (1, 2)
+    assert answer("entails", LAMPS, *late, "--literal", "lit(red)", "--step", "2")["answer"] == "true"
+    assert run("entails", LAMPS, *late, "--literal", "lit(red)", "--step", "0").returncode == 1
+    assert answer("plan", LAMPS, *late, "--goal", "dark")["plans"][0]["steps"]
+
+
 def test_diagnose_prices_what_it_assumes(history):
     ask = ("diagnose", LAMPS, "--history", history, "--assume", "hpd(flip(left), 0)")
     dark = ("--assume", "obs(lit(red), false, 1)")

@@ -70,6 +70,21 @@ Reasoner reasonerFor(const Arguments& arguments)
   {
     reasoner.addRecords(readHistory(file, reasoner.description()));
   }
+  if (arguments.progress >= 0)
+  {
+    const Progress progress = reasoner.progress(arguments.progress);
+    if (progress.first_step < arguments.progress)
+    {
+      std::string why;
+      for (const std::string& reason : progress.kept_because)
+      {
+        why += (why.empty() ? "" : "; ") + reason;
+      }
+      throw ResourceExhausted("the history cannot be progressed to step " +
+                              std::to_string(arguments.progress) + ", only to step " +
+                              std::to_string(progress.first_step) + ": " + why);
+    }
+  }
   for (const std::string& record : arguments.assumed)
   {
     const bool ended = record.find_last_not_of(" \t\n") == record.rfind('.');
@@ -288,8 +303,10 @@ Reply models(const Arguments& arguments)
         states.back().push_back(toString(literal, reasoner.description()));
       }
     }
-    models.push_back(
-        {{"assumed", found[i].assumed}, {"states", states}, {"actions", found[i].actions}});
+    models.push_back({{"assumed", found[i].assumed},
+                      {"first_step", found[i].first_step},
+                      {"states", states},
+                      {"actions", found[i].actions}});
   }
   return {{{"complete", num_listed == found.size()}, {"models", models}}, true};
 }

@@ -20,6 +20,7 @@ struct Arguments
   std::vector<std::string> files;
   std::vector<std::string> histories;
   std::vector<std::string> assumed;  ///< records of what-if questions
+  int progress = -1;  ///< the step to which the history is progressed; below 0: it is not
   std::string base;
   std::string goal;
   std::string literal;

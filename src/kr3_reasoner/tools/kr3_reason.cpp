@@ -184,6 +184,10 @@ private:
     command.add_option("--history", arguments_.histories, "a history file (may be repeated)")
         ->allow_extra_args(false);
     command
+        .add_option("--progress", arguments_.progress,
+                    "let the history begin at this step; earlier records are not kept")
+        ->check(CLI::Range(0, kMaxSteps));
+    command
         .add_option("--assume", arguments_.assumed,
                     "what if: one more record, as \"obs(on(red), false, 1)\" (may be repeated)")
         ->allow_extra_args(false);

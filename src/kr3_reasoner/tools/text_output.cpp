@@ -116,7 +116,8 @@ std::string modelsText(const Json& answer)
     text += model["assumed"].empty() ? "\n" : ", assuming " + joined(model["assumed"], "; ") + "\n";
     for (std::size_t step = 0; step < model["states"].size(); ++step)
     {
-      text += "  step " + std::to_string(step) + "\n" + wrapped(model["states"][step], "    ");
+      const std::size_t number = step + model["first_step"].get<std::size_t>();
+      text += "  step " + std::to_string(number) + "\n" + wrapped(model["states"][step], "    ");
       if (step < model["actions"].size() && !model["actions"][step].empty())
       {
         text += "  > " + joined(model["actions"][step], ", ") + "\n";

@@ -152,11 +152,12 @@ struct RelevantPart
 /// One model of a history (paper, Definition 2): a path of states with a minimal explanation.
 struct HistoryModel
 {
-  std::vector<std::string> assumed;  ///< as in Diagnosis::explanations
-  std::vector<std::vector<Literal>>
-      states;  ///< at each step `f = v` for every fluent, in the order of declaration
+  std::vector<std::string> assumed;          ///< as in Diagnosis::explanations
+  std::vector<std::vector<Literal>> states;  ///< at each step from Reasoner::firstStep() on `f = v`
+                                             ///< for every fluent, in the order of declaration
   std::vector<std::vector<std::string>> actions =
-      {};  ///< what occurs at each step but the last, exogenous actions included
+      {};              ///< what occurs at each step but the last, exogenous actions included
+  int first_step = 0;  ///< of states and actions
 };
 
 /// What a diagnosis may assume, and at what price.
@@ -171,6 +172,23 @@ struct ReasonerOptions
   std::map<std::string, int>
       default_weights;  ///< price of an exception to the named default, where it differs
   int least_step = 0;   ///< the current step is at least this, even if no record is about it
+
+  /// If above 0, addRecords() progresses the history by itself, so that at most half as many steps
+  /// again are kept. Records about earlier steps are then refused.
+  int window = 0;
+  /// Progressing keeps at most so many combinations of values that hang together, and of each so
+  /// many equally good explanations; both at least 1.
+  int max_combinations = 1000;
+  int max_carried_explanations = 16;
+};
+
+/// What became of a wish to progress a history.
+struct Progress
+{
+  int first_step = 0;                     ///< where the history begins now
+  std::size_t num_records = 0;            ///< that are left
+  std::vector<std::string> kept_because;  ///< what could not be represented at the step that was
+                                          ///< wished for, in words; empty when it begins there
 };
 
 /// When a question has to end. What ends that way throws Cancelled or DeadlineExceeded, grounding
@@ -202,10 +220,34 @@ public:
   [[nodiscard]] const std::vector<Record>& history() const;
   [[nodiscard]] int currentStep() const;
 
-  /// Replaces or extends the history; all records are taken or none.
-  /// @throws InvalidArgument  a record does not fit the description
+  /// Where the history begins: 0, or the step to which it was progressed. Steps keep their numbers.
+  [[nodiscard]] int firstStep() const;
+
+  /// Lets the history begin at a later step: the records before it are no longer kept, but what
+  /// they say about the step is. That is, for every combination of values that fluents which hang
+  /// together may have, what has to be assumed for it at the least, so that later records may still
+  /// refute today's minimal explanation. All answers about the step and later ones stay the same,
+  /// whatever is recorded from then on (DESIGN.md 3.2 point 11).
+  ///
+  /// Where there are more combinations than ReasonerOptions::max_combinations, the history begins
+  /// at the latest step before at which there are not, or where it began.
+  ///
+  /// @param step  from firstStep() to currentStep()
+  /// @throws InvalidArgument  the step is out of range; FailedPrecondition  the history is
+  ///         inconsistent
+  Progress progress(int step);
+
+  /// Replaces or extends the history; all records are taken or none. A history that is replaced
+  /// begins at step 0 again.
+  /// @throws InvalidArgument  a record does not fit the description, or is about a step before
+  ///         firstStep()
   void setHistory(std::vector<Record> records);
   void addRecords(const std::vector<Record>& records);
+
+  /// Takes over the history of another reasoner for the same description, from where it begins.
+  /// Nothing is shared that would keep the two from being used in different threads afterwards.
+  /// @throws FailedPrecondition  the history was progressed with other prices of assumptions
+  void follow(const Reasoner& other);
 
   /// For all questions that follow, until other limits are set; reasoners that this one supposes
   /// have the same. A question is over within about 20 ms of its limit. PlanOptions and the flag

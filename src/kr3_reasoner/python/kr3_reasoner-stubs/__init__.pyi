@@ -278,6 +278,21 @@ class HistoryModel:
     @property
     def actions(self) -> list[list[str]]:
         """what occurs at each step but the last"""
+    @property
+    def first_step(self) -> int:
+        """of states and actions"""
+
+class Progress:
+    """What became of a wish to progress a history."""
+    @property
+    def first_step(self) -> int:
+        """where the history begins now"""
+    @property
+    def num_records(self) -> int:
+        """that are left"""
+    @property
+    def kept_because(self) -> list[str]:
+        """what could not be represented, in words"""
 
 class ReasonKind:
     """Members:"""
@@ -543,7 +558,7 @@ class RelevantPart:
 
 class ReasonerOptions:
     """What a diagnosis may assume, and at what price."""
-    def __init__(self, *, diagnose_exogenous: bool = False, exception_weight: int = 1, exogenous_weight: int = 1, default_weights: dict[str, int] = {}, least_step: int = 0) -> None: ...
+    def __init__(self, *, diagnose_exogenous: bool = False, exception_weight: int = 1, exogenous_weight: int = 1, default_weights: dict[str, int] = {}, least_step: int = 0, window: int = 0, max_combinations: int = 1000) -> None: ...
     @property
     def diagnose_exogenous(self) -> bool:
         """whether exogenous actions compete with exceptions from the start; otherwise they are
@@ -571,6 +586,16 @@ class ReasonerOptions:
         """the current step is at least this, even if no record is about it"""
     @least_step.setter
     def least_step(self, value: int) -> None: ...
+    @property
+    def window(self) -> int:
+        """about how many steps the history keeps; 0: all of them"""
+    @window.setter
+    def window(self, value: int) -> None: ...
+    @property
+    def max_combinations(self) -> int:
+        """of values that are kept when the history is progressed"""
+    @max_combinations.setter
+    def max_combinations(self, value: int) -> None: ...
 
 class Cancellation:
     """Ends a call of plan from another thread: it raises Cancelled."""
@@ -597,6 +622,12 @@ class Reasoner:
         """Replaces the history; all records are taken or none. Raises InvalidArgument."""
     def addRecords(self, records: list[Record]) -> None:
         """Extends the history; all records are taken or none. Raises InvalidArgument."""
+    def firstStep(self) -> int:
+        """The step at which the history begins: 0 until it is progressed."""
+    def progress(self, step: int) -> Progress:
+        """Lets the history begin at a later step. What earlier records say about it is kept; all
+        answers about later steps stay the same. Raises InvalidArgument, FailedPrecondition.
+        """
     def setLimits(self, time_limit: datetime.timedelta) -> None:
         """Wall time of each question that follows, 0 for none; one that takes longer raises
         DeadlineExceeded.

@@ -36,7 +36,8 @@ namespace kr3::reasoner
 [[nodiscard]] kr3_msgs::Retraction toMsg(const Retraction& retraction);
 [[nodiscard]] kr3_msgs::MinimalExplanation toMsg(const ExplanationAlternative& alternative);
 /// @param description  says in which form literals are written
-[[nodiscard]] kr3_msgs::HistoryModel toMsg(const HistoryModel& model, const Description& description);
+[[nodiscard]] kr3_msgs::HistoryModel toMsg(const HistoryModel& model,
+                                           const Description& description);
 
 /// A proof in pre-order.
 [[nodiscard]] std::vector<kr3_msgs::Reason> toMsg(const Reason& proof);

@@ -24,11 +24,12 @@ bool same(const Record& a, const Record& b)
          a.confidence == b.confidence && a.source == b.source;
 }
 
-/// Brings a reasoner to a history; what it has already stays, so that it need not be read again.
+/// Brings a reasoner to a history from step 0; what it has already stays, so that it need not be
+/// read again.
 void follow(const std::vector<Record>& history, Reasoner& reasoner)
 {
   const std::vector<Record>& known = reasoner.history();
-  const bool longer = known.size() <= history.size() &&
+  const bool longer = reasoner.firstStep() == 0 && known.size() <= history.size() &&
                       std::equal(known.begin(), known.end(), history.begin(), same);
   if (!longer)
   {
@@ -63,6 +64,10 @@ ReasonerNodeConfig loadReasonerNodeConfig(const ros::NodeHandle& private_nh)
   params.check(config.options.exception_weight >= 1, "exception_weight", "must be at least 1");
   config.options.exogenous_weight = params.get("exogenous_weight", config.options.exogenous_weight);
   params.check(config.options.exogenous_weight >= 1, "exogenous_weight", "must be at least 1");
+  config.options.window = params.get("window", config.options.window);
+  params.check(config.options.window >= 0, "window", "must be at least 0");
+  config.options.max_combinations = params.get("max_combinations", config.options.max_combinations);
+  params.check(config.options.max_combinations >= 1, "max_combinations", "must be at least 1");
   params.finish();
   return config;
 }
@@ -128,15 +133,29 @@ ReasonerNode::Work ReasonerNode::startPlanning(const kr3_msgs::MakePlanGoal& goa
   std::shared_ptr<Reasoner> planner = std::exchange(planner_, nullptr);
   if (!planner)
   {
-    planner = std::make_shared<Reasoner>(reasoner_.description(), config_.options);
+    ReasonerOptions planning = config_.options;
+    planning.window = 0;  // it follows the other's beginning
+    planner = std::make_shared<Reasoner>(reasoner_.description(), planning);
   }
-  std::vector<Record> records = reasoner_.history();
+  const bool progressed = reasoner_.firstStep() > 0;
+  std::vector<Record> records;
+  if (progressed)
+  {
+    planner->follow(reasoner_);
+  }
+  else
+  {
+    records = reasoner_.history();
+  }
   const std::size_t version = domain_version_;
   lock.unlock();
   Work work{cancel, {}};
   work.result = std::async(std::launch::async, [this, planner, cancel, options, formula, version,
-                                                records = std::move(records)] {
-    follow(records, *planner);
+                                                progressed, records = std::move(records)] {
+    if (!progressed)
+    {
+      follow(records, *planner);
+    }
     kr3_msgs::MakePlanResult result =
         toMsg(planner->plan(formula, options, cancel.get()), planner->currentStep());
     const std::lock_guard<std::mutex> guard(mutex_);
@@ -199,6 +218,7 @@ void ReasonerNode::report(diagnostic_updater::DiagnosticStatusWrapper& status)
   status.summary(diagnostic_msgs::DiagnosticStatus::OK, plan_.isActive() ? "planning" : "ready");
   status.add("domain", config_.domain);
   status.add("records", reasoner_.history().size());
+  status.add("first step", reasoner_.firstStep());
   status.add("current step", reasoner_.currentStep());
   status.add("plans made", num_plans_);
   status.add("questions answered", num_questions_);

@@ -82,7 +82,8 @@ private:
   /// Reads the description again. Goals under way are planned to their end with the one they began
   /// with.
   /// @throws InvalidArgument, NotFound  the files are wrong, or the history does not fit them; then
-  ///                                    nothing has changed
+  ///                                    nothing has changed; FailedPrecondition  the history was
+  ///                                    progressed
   void reloadDomain();
 
   /// @throws ResourceExhausted  more records than the parameter max_records allows
@@ -103,6 +104,7 @@ private:
   ReasonerNodeConfig config_;
   std::mutex mutex_;  // guards what follows, down to last_duration_s_
   Reasoner reasoner_;
+  std::size_t num_told_ = 0;           // records, with those that are no longer kept
   std::shared_ptr<Reasoner> planner_;  // idle, with the history of the last goal; or none
   std::size_t domain_version_ = 0;     // counts how often the description was replaced
   std::size_t num_plans_ = 0;

@@ -9,6 +9,7 @@
 #include <kr3_msgs/FindRetractions.h>
 #include <kr3_msgs/GetPossibleValues.h>
 #include <kr3_msgs/ListModels.h>
+#include <kr3_msgs/ProgressHistory.h>
 #include <kr3_msgs/ReloadDomain.h>
 #include <kr3_msgs/Translate.h>
 
@@ -101,15 +102,25 @@ void ReasonerNode::serve(
 void ReasonerNode::offerHistory(ros::NodeHandle& nh)
 {
   serve<kr3_msgs::SetHistory>(nh, "set_history", [this](const auto& request, auto& response) {
-    response.num_records = static_cast<std::uint32_t>(reasoner_.history().size());
+    response.num_records = static_cast<std::uint32_t>(num_told_);
     checkCount(request.records.size());
     reasoner_.setHistory(fromMsg(request.records));
-    response.num_records = static_cast<std::uint32_t>(reasoner_.history().size());
+    num_told_ = request.records.size();
+    response.num_records = static_cast<std::uint32_t>(num_told_);
   });
   serve<kr3_msgs::AddRecords>(nh, "add_records", [this](const auto& request, auto& response) {
-    response.num_records = static_cast<std::uint32_t>(reasoner_.history().size());
+    response.num_records = static_cast<std::uint32_t>(num_told_);
     addRecords(request);
+    response.num_records = static_cast<std::uint32_t>(num_told_);
+  });
+  serve<kr3_msgs::ProgressHistory>(nh, "progress_history",
+                                   [this](const auto& request, auto& response) {
+    response.first_step = static_cast<std::uint32_t>(reasoner_.firstStep());
     response.num_records = static_cast<std::uint32_t>(reasoner_.history().size());
+    const Progress progress = reasoner_.progress(stepOf(request.step));
+    response.first_step = static_cast<std::uint32_t>(progress.first_step);
+    response.num_records = static_cast<std::uint32_t>(progress.num_records);
+    response.kept_because = progress.kept_because;
   });
   serve<kr3_msgs::ReloadDomain>(nh, "reload_domain",
                                 [this](const auto&, auto&) { reloadDomain(); });
@@ -117,6 +128,13 @@ void ReasonerNode::offerHistory(ros::NodeHandle& nh)
 
 void ReasonerNode::reloadDomain()
 {
+  if (reasoner_.firstStep() > 0)
+  {
+    throw FailedPrecondition("the history was progressed to step " +
+                             std::to_string(reasoner_.firstStep()) +
+                             " with the description that was read before; expected one that begins "
+                             "at step 0 (set_history)");
+  }
   Reasoner reasoner(readDomain(config_), config_.options);
   const std::string problems = misfits(reasoner_.history(), reasoner);
   if (!problems.empty())
@@ -142,15 +160,15 @@ void ReasonerNode::checkCount(std::size_t num_records) const
 
 void ReasonerNode::addRecords(const kr3_msgs::AddRecords::Request& request)
 {
-  const std::size_t num_records = reasoner_.history().size();
-  if (request.expected_num_records != num_records)
+  if (request.expected_num_records != num_told_)
   {
     throw FailedPrecondition(
-        "there are " + std::to_string(num_records) + " records, the client expected " +
+        "there are " + std::to_string(num_told_) + " records, the client expected " +
         std::to_string(request.expected_num_records) + "; set the history again");
   }
-  checkCount(num_records + request.records.size());
+  checkCount(reasoner_.history().size() + request.records.size());
   reasoner_.addRecords(fromMsg(request.records));
+  num_told_ += request.records.size();
 }
 
 void ReasonerNode::offerQuestions(ros::NodeHandle& nh)
@@ -238,7 +256,7 @@ void ReasonerNode::diagnose(const kr3_msgs::Diagnose::Request& request,
   {
     Reasoner other(reasoner_.description(), options);
     other.setLimits(questionLimits());
-    other.setHistory(reasoner_.history());
+    other.follow(reasoner_);
     diagnosis = other.diagnose();
   }
   response.consistent = static_cast<std::uint8_t>(diagnosis.consistent);
