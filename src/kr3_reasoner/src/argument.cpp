@@ -196,33 +196,12 @@ void Explainer::justify(ExplanationAlternative& alternative,
   world.assumed = assumed;
   for (std::size_t i = 0; i < assumed.size(); ++i)
   {
-    const bool exception = words_.isException(assumed[i]);
-    const AssumedAction action = words_.assumedAction(assumed[i]);
-    Atom fluent;
-    if (!exception && !records_.empty())
-    {
-      // any fluent that the action or the record is about
-      const std::size_t wrong = words_.wrongRecord(assumed[i]);
-      for (const CausalLaw& law : description_.causal_laws)
-      {
-        Binding binding;
-        if (action.step >= 0 && unify(law.action, action.action, binding) &&
-            !law.outcomes.empty() && !law.outcomes.front().effects.empty())
-        {
-          fluent = bound(law.outcomes.front().effects.front().fluent, binding);
-        }
-      }
-      if (wrong != kNoRecord)
-      {
-        fluent = records_[wrong].literal.atom;
-      }
-    }
-    const bool ground = std::none_of(fluent.arguments.begin(), fluent.arguments.end(),
-                                     [](const Term& term) { return term.is_variable; });
-    if (!exception && (fluent.name.empty() || !ground))
+    const std::optional<Literal> subject = words_.subject(assumed[i]);
+    if (!subject)
     {
       continue;
     }
+    const Atom fluent = words_.isException(assumed[i]) ? Atom{} : subject->atom;
     if (const auto needed = necessity(all, world, i, fluent))
     {
       Assumption& assumption = alternative.assumptions[i];

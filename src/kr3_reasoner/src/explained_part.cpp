@@ -40,10 +40,14 @@ void keepDefinitions(const Description& whole, Description& part)
 }
 
 Slice sliceFor(DomainKnowledge& whole, const std::vector<CheckedRecord>& records, int current_step,
-               const Literal& literal)
+               const std::vector<Literal>& about)
 {
   Formula goal;
-  goal.literal = literal;
+  goal.kind = Formula::Kind::kAnd;
+  for (const Literal& literal : about)
+  {
+    goal.operands.emplace_back().literal = literal;
+  }
   return Slicer(whole, records, current_step, goal).forGoal(std::nullopt, 0.0);
 }
 
@@ -105,29 +109,34 @@ bool isPartOf(const CitedLaw& part, const CitedLaw& whole)
 }  // namespace
 
 ExplainedPart::ExplainedPart(DomainKnowledge& whole, const std::vector<CheckedRecord>& records,
-                             int current_step, const Literal& literal, const SearchLimit& limit)
+                             int current_step, const std::vector<Literal>& about,
+                             const SearchLimit& limit)
   : current_step_(current_step)
   , limit_(limit)
-  , slice_(sliceFor(whole, records, current_step, literal))
+  , slice_(sliceFor(whole, records, current_step, about))
   , record_numbers_(numbersOf(slice_.records, records))
   , description_(withDefinitions(whole.description(), slice_.domain->description()))
   , program_(description_, whole.options())
   , instances_(description_)
-  , check_(description_, (program_.limitTo(limit), program_), slice_.records, current_step)
 {
+  program_.limitTo(limit);
 }
 
 std::optional<Explanation> ExplainedPart::explain(const Literal& literal, int step,
                                                   const Laws& whole)
 {
-  if (!check_.entail(check_.all(), literal, step))
+  if (!check_)
+  {
+    check_ = std::make_unique<HistoryCheck>(description_, program_, slice_.records, current_step_);
+  }
+  if (!check_->entail(check_->all(), literal, step))
   {
     return std::nullopt;
   }
   const Words words(description_, program_.options(), instances_, slice_.records);
-  Explanation explanation =
-      Explainer(description_, words, instances_, slice_.records, current_step_, limit_, &check_)
-          .explain(literal, step);
+  Explanation explanation = Explainer(description_, words, instances_, slice_.records,
+                                      current_step_, limit_, check_.get())
+                                .explain(literal, step);
   renumber(explanation.proof, record_numbers_);
   for (std::size_t& record : explanation.record_indices)
   {
@@ -145,6 +154,21 @@ std::optional<Explanation> ExplainedPart::explain(const Literal& literal, int st
     }
   }
   return explanation;
+}
+
+void ExplainedPart::justify(ExplanationAlternative& alternative,
+                            const std::vector<Clingo::Symbol>& assumed)
+{
+  const Words words(description_, program_.options(), instances_, slice_.records);
+  Explainer(description_, words, instances_, slice_.records, current_step_, limit_, nullptr)
+      .justify(alternative, assumed);
+  for (Assumption& assumption : alternative.assumptions)
+  {
+    for (std::size_t& record : assumption.because)
+    {
+      record = record_numbers_[record];
+    }
+  }
 }
 
 }  // namespace kr3::reasoner

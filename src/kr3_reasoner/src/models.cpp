@@ -115,6 +115,82 @@ void forEachModel(SolvedHistory& solved, const std::vector<SolverLiteral>& liter
   solved.solver.solve(visit);
 }
 
+/// The assumptions in those components of the program that are not settled without any; the others
+/// make none in a minimal explanation. Found without a solver; nothing where that does not tell.
+///
+/// A component in which everything is constant when nothing is assumed, and no constraint violated,
+/// is consistent with nothing assumed.
+std::optional<SettledAssumptions> suspects(const HistoryProgram& program, const Records& records,
+                                           int current_step, const Assumable& assumable)
+{
+  if (program.beginning() != nullptr)
+  {
+    return std::nullopt;
+  }
+  const SettledAssumptions nothing;
+  RuleSink counted;
+  const UnrolledHistory plain(program, records, current_step,
+                              UnrolledHistory::Mode{assumable, &nothing, false}, counted);
+  AtomComponents components;
+  RuleSink joined(&components);
+  const UnrolledHistory full(program, records, current_step, UnrolledHistory::Mode{assumable},
+                             joined);
+  std::unordered_set<AtomComponents::Atom> suspected;
+  const auto suspect = [&](SolverLiteral literal) {
+    if (!isConstant(literal))
+    {
+      suspected.insert(
+          components.representative(static_cast<AtomComponents::Atom>(std::abs(literal))));
+    }
+  };
+  std::size_t refuted = 0;
+  for (std::size_t i = 0; i < records.size(); ++i)
+  {
+    const CheckedRecord& checked = records[i];
+    if (!checked.isAction() && plain.literal(checked.literal, checked.record.step) == kFalseLiteral)
+    {
+      ++refuted;
+      suspect(full.literal(checked.literal, checked.record.step));
+      suspect(full.recorded()[i]);
+    }
+  }
+  if (refuted != counted.numContradictions() ||
+      plain.closureValues().size() != full.closureValues().size())
+  {
+    return std::nullopt;  // something else is violated
+  }
+  const auto compare =
+      [&](const std::vector<SolverLiteral>& without, const std::vector<SolverLiteral>& with) {
+    for (std::size_t i = 0; i < without.size(); ++i)
+    {
+      if (!isConstant(without[i]))
+      {
+        suspect(with[i]);
+      }
+    }
+  };
+  compare(plain.closureValues(), full.closureValues());
+  for (int step = full.firstStep(); step <= current_step; ++step)
+  {
+    compare(plain.state(step), full.state(step));
+  }
+  for (int step = full.firstStep(); step < current_step; ++step)
+  {
+    compare(plain.occurrences(step), full.occurrences(step));
+  }
+  SettledAssumptions open;
+  for (const AssumedLiteral& assumption : full.assumptions())
+  {
+    if (!isConstant(assumption.literal) &&
+        suspected.count(
+            components.representative(static_cast<AtomComponents::Atom>(assumption.literal))) > 0)
+    {
+      open.emplace(assumption.what, PartialEvaluator::kOpen);
+    }
+  }
+  return open;
+}
+
 /// The assumptions that a minimal explanation may make; nothing when the history is inconsistent.
 ///
 /// Where the program falls into independent components, such as objects that nothing moves, one
@@ -122,8 +198,11 @@ void forEachModel(SolvedHistory& solved, const std::vector<SolverLiteral>& liter
 std::optional<SettledAssumptions> candidates(const HistoryProgram& program, const Records& records,
                                              int current_step, const Assumable& assumable)
 {
+  const std::optional<SettledAssumptions> wanted =
+      suspects(program, records, current_step, assumable);
   AtomComponents components;
-  SolvedHistory solved(program, records, current_step, UnrolledHistory::Mode{assumable},
+  SolvedHistory solved(program, records, current_step,
+                       UnrolledHistory::Mode{assumable, wanted ? &*wanted : nullptr, false},
                        {"1", "--warn=none"}, &components);
   std::unordered_map<AtomComponents::Atom, std::vector<SolverLiteral>> denials;
   for (const AssumedLiteral& assumption : solved.history->assumptions())

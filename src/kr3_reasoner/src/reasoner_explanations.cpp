@@ -32,10 +32,9 @@ Diagnosis Reasoner::diagnose() const
   }
   diagnosis.cost = optimum->price.assumptions + optimum->price.retractions;
   const Words words = impl_->words();
-  Explainer explainer(impl_->description(), words, impl_->instances(), impl_->records(),
-                      impl_->currentStep(), impl_->program().limit(), nullptr);
-  for (const auto& explanation :
-       explanationsOf(impl_->program(), impl_->records(), impl_->currentStep(), *optimum))
+  const auto explanations =
+      explanationsOf(impl_->program(), impl_->records(), impl_->currentStep(), *optimum);
+  for (const auto& explanation : explanations)
   {
     ExplanationAlternative alternative;
     alternative.price = diagnosis.cost;
@@ -49,12 +48,12 @@ Diagnosis Reasoner::diagnose() const
     }
     diagnosis.explanations.push_back(std::move(statements));
     diagnosis.in_words.push_back(alternative.in_words);
-    // What called for an assumption may be a record that is no longer kept.
-    if (diagnosis.alternatives.size() < kMaxJustifiedAlternatives && first == 0)
-    {
-      explainer.justify(alternative, explanation);
-    }
     diagnosis.alternatives.push_back(std::move(alternative));
+  }
+  if (first == 0)  // else what called for an assumption may be a record that is no longer kept
+  {
+    impl_->justify(diagnosis.alternatives, explanations,
+                   std::min(explanations.size(), kMaxJustifiedAlternatives));
   }
   return diagnosis;
 }

@@ -227,7 +227,7 @@ Explanation Reasoner::Impl::explain(const Literal& literal, int step)
   }
   if (isLarge() && program().firstStep() == 0)
   {
-    ExplainedPart part(*knowledge_, records_, currentStep(), literal, program().limit());
+    ExplainedPart part(*knowledge_, records_, currentStep(), {literal}, program().limit());
     if (auto explanation = part.explain(literal, step, Laws(description())))
     {
       return std::move(*explanation);
@@ -251,6 +251,43 @@ Explanation Reasoner::Impl::explain(const Literal& literal, int step)
   {
     check_.reset();  // it was interrupted
     throw;
+  }
+}
+
+void Reasoner::Impl::justify(std::vector<ExplanationAlternative>& alternatives,
+                             const std::vector<std::vector<Clingo::Symbol>>& assumed,
+                             std::size_t count)
+{
+  const Words here = words();
+  std::vector<Literal> about;
+  bool in_part = description().asp_blocks.empty();
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    for (const Clingo::Symbol& assumption : assumed[i])
+    {
+      const std::optional<Literal> subject = here.subject(assumption);
+      // A wrong record is known by its number in the whole history.
+      in_part = in_part && subject && here.wrongRecord(assumption) == kNoRecord;
+      if (subject)
+      {
+        about.push_back(*subject);
+      }
+    }
+  }
+  if (in_part && !about.empty())
+  {
+    ExplainedPart part(*knowledge_, records_, currentStep(), about, program().limit());
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      part.justify(alternatives[i], assumed[i]);
+    }
+    return;
+  }
+  Explainer explainer(description(), here, instances(), records_, currentStep(), program().limit(),
+                      nullptr);
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    explainer.justify(alternatives[i], assumed[i]);
   }
 }
 

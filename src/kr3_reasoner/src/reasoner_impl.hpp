@@ -84,6 +84,11 @@ public:
   /// Says why; shares its solver with earlier questions about the same history.
   [[nodiscard]] Explanation explain(const Literal& literal, int step);
 
+  /// Says which records call for what the first `count` alternatives assume; the history begins at
+  /// step 0.
+  void justify(std::vector<ExplanationAlternative>& alternatives,
+               const std::vector<std::vector<Clingo::Symbol>>& assumed, std::size_t count);
+
   /// What has to be given up so that none of `excluded` holds at `step`.
   std::vector<Retraction> retractions(
       const std::vector<Literal>& excluded, int step, std::size_t max_sets,

@@ -73,6 +73,7 @@ void RuleSink::constraint(Body body)
     {
       to->rule(false, {}, span(body));
     }
+    num_contradictions_ += body.empty() ? 1 : 0;
     note(body);
   }
 }

@@ -43,8 +43,8 @@ public:
   {
   }
 
-  /// Counts only: for finding out whether everything is constant.
-  RuleSink() = default;
+  /// Counts only: for finding out whether everything is constant, or what hangs together.
+  explicit RuleSink(AtomComponents* components = nullptr) : components_(components) {}
 
   [[nodiscard]] SolverLiteral newAtom();
 
@@ -82,6 +82,8 @@ public:
   /// How much was written: zero of both means that everything is constant.
   [[nodiscard]] std::size_t numAtoms() const { return num_atoms_; }
   [[nodiscard]] std::size_t numRules() const { return num_rules_; }
+  /// How many constraints are violated whatever else is true.
+  [[nodiscard]] std::size_t numContradictions() const { return num_contradictions_; }
 
 private:
   void note(const Body& literals);
@@ -97,6 +99,7 @@ private:
   AtomComponents* components_ = nullptr;
   std::size_t num_atoms_ = 0;
   std::size_t num_rules_ = 0;
+  std::size_t num_contradictions_ = 0;
 };
 
 }  // namespace kr3::reasoner

@@ -67,7 +67,6 @@ UnrolledHistory::UnrolledHistory(const HistoryProgram& program,
   for (int step = first_step_; step <= current_step; ++step)
   {
     program_.limit().check();
-    if (step > 0)
     if (step > first_step_)
     {
       addTransition(records, step, sink);

@@ -69,6 +69,12 @@ public:
 
   [[nodiscard]] const std::vector<AssumedLiteral>& assumptions() const { return assumptions_; }
 
+  /// By record: the literal of its being there and right.
+  [[nodiscard]] const std::vector<SolverLiteral>& recorded() const { return holds_; }
+
+  /// The literals of all atoms of the closure; none when the history was progressed.
+  [[nodiscard]] const std::vector<SolverLiteral>& closureValues() const { return closure_values_; }
+
   /// Only explanations of at most this price. Nothing is open when the price is 0.
   void bound(const Price& price, RuleSink& sink) const;
   void minimize(RuleSink& sink) const;

@@ -153,6 +153,37 @@ std::size_t Words::wrongRecord(const Clingo::Symbol& assumed) const
              : kNoRecord;
 }
 
+std::optional<Literal> Words::subject(const Clingo::Symbol& assumed) const
+{
+  if (isException(assumed))
+  {
+    return exception(assumed);
+  }
+  const std::size_t wrong = wrongRecord(assumed);
+  if (wrong < records_.size())
+  {
+    return records_[wrong].literal;
+  }
+  const AssumedAction action = assumedAction(assumed);
+  for (const CausalLaw& law : description_.causal_laws)
+  {
+    Binding binding;
+    if (action.step < 0 || law.outcomes.empty() || law.outcomes.front().effects.empty() ||
+        !unify(law.action, action.action, binding))
+    {
+      continue;
+    }
+    Literal changed;
+    changed.atom = bound(law.outcomes.front().effects.front().fluent, binding);
+    if (std::none_of(changed.atom.arguments.begin(), changed.atom.arguments.end(),
+                     [](const Term& term) { return term.is_variable; }))
+    {
+      return changed;
+    }
+  }
+  return std::nullopt;
+}
+
 bool Words::isException(const Clingo::Symbol& assumed) const
 {
   return is(assumed, "no", 2) || is(assumed, "yes", 2);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -93,6 +94,10 @@ public:
 
   /// The record that an assumption calls wrong, or kNoRecord; that too if it is no longer kept.
   [[nodiscard]] std::size_t wrongRecord(const Clingo::Symbol& assumed) const;
+
+  /// A ground literal about a fluent that an assumption is about: what an exception makes true,
+  /// what an action changes, what a record says; nothing when there is none.
+  [[nodiscard]] std::optional<Literal> subject(const Clingo::Symbol& assumed) const;
 
   /// Whether an assumption is an exception to defaults.
   [[nodiscard]] bool isException(const Clingo::Symbol& assumed) const;

@@ -259,6 +259,7 @@ axioms
 
 def interrupted(ask):
     """Presses Ctrl-C while a question is answered."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # background jobs ignore it
     timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
     start = time.monotonic()
@@ -266,6 +267,7 @@ def interrupted(ask):
         ask()
     assert time.monotonic() - start < 5.0
     timer.join()
+    signal.signal(signal.SIGINT, before)
 
 
 def test_ctrl_c_ends_any_question_and_the_reasoner_goes_on():

@@ -99,7 +99,9 @@ def test_a_history_may_begin_at_a_later_step(history, tmp_path):
     late = ("--history", str(day), "--progress", "1")
     (model,) = answer("models", LAMPS, *late)["models"]
     assert (model["first_step"], len(model["states"])) == (1, 2)
-    assert answer("entails", LAMPS, *late, "--literal", "lit(red)", "--step", "2")["answer"] == "true"
+    assert (
+        answer("entails", LAMPS, *late, "--literal", "lit(red)", "--step", "2")["answer"] == "true"
+    )
     assert run("entails", LAMPS, *late, "--literal", "lit(red)", "--step", "0").returncode == 1
     assert answer("plan", LAMPS, *late, "--goal", "dark")["plans"][0]["steps"]
 

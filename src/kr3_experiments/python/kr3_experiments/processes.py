@@ -16,9 +16,13 @@ _LIBC = ctypes.CDLL(None, use_errno=True)
 ESCALATION = ((signal.SIGINT, 6.0), (signal.SIGTERM, 3.0), (signal.SIGKILL, 2.0))
 
 
-def _die_with_parent() -> None:
-    """In the child: get SIGTERM when the parent ends, however it ends."""
+def _prepare_child() -> None:
+    """In the child: get SIGTERM when the parent ends, however it ends; heed SIGINT.
+
+    A shell's background job ignores SIGINT, and what it starts inherits that.
+    """
     _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 class ManagedProcess:
@@ -48,7 +52,7 @@ class ManagedProcess:
                 stderr=subprocess.STDOUT,
                 env=self._environment,
                 start_new_session=True,
-                preexec_fn=_die_with_parent,
+                preexec_fn=_prepare_child,
             )
 
     @property
