@@ -308,8 +308,9 @@ void UnrolledHistory::addTransition(const Records& records, int step, RuleSink& 
   std::vector<SolverLiteral> occurs(actions.size(), kFalseLiteral);
   for (std::size_t a = 0; a < actions.size(); ++a)
   {
+    // Without its record, what is recorded may have happened all the same.
     if (mode_.assumable.exogenous && actions[a].exogenous && impossible[a] != kTrueLiteral &&
-        reasons[a].empty())
+        (reasons[a].empty() || mode_.switchable))
     {
       reasons[a].push_back(assume(about("exo", actions[a].symbol, step - 1),
                                   program_.options().exogenous_weight, false, sink));

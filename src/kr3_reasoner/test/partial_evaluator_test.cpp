@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <random>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -114,7 +115,8 @@ struct RandomProgram
       {
         weighted.push_back({each, static_cast<std::int32_t>(between(1, 2))});
       }
-      program.addWeightRule(chance(0.3), oneAtom(head), static_cast<std::int32_t>(between(1, 3)),
+      // No choices: clasp loses answer sets where such a choice is in a positive cycle.
+      program.addWeightRule(false, oneAtom(head), static_cast<std::int32_t>(between(1, 3)),
                             {weighted.data(), weighted.data() + weighted.size()});
     }
     else
@@ -222,14 +224,43 @@ std::set<TrueAtoms> instantiated(const RandomProgram& drawn, PartialEvaluator& e
   return found;
 }
 
+/// The program for messages, a rule a line.
+std::string toString(const RandomProgram& drawn)
+{
+  std::string text = std::to_string(drawn.num_inputs) + " inputs";
+  for (std::size_t g = 0; g < drawn.groups.size(); ++g)
+  {
+    text += ", exactly one of";
+    for (std::size_t i = 0; i < drawn.groups[g].size(); ++i)
+    {
+      text += " " + std::to_string(drawn.groups[g][i]) + " (before " +
+              std::to_string(drawn.befores[g][i]) + ")";
+    }
+  }
+  for (const GroundProgram::Rule& rule : drawn.program.rules())
+  {
+    text += rule.choice ? "\n{" : "\n";
+    for (const AtomId head : drawn.program.heads(rule))
+    {
+      text += std::to_string(head);
+    }
+    text += (rule.choice ? "} :- " : " :- ") + std::to_string(rule.bound) + " <=";
+    for (const auto& literal : drawn.program.body(rule))
+    {
+      text += " " + std::to_string(literal.literal) + "*" + std::to_string(literal.weight);
+    }
+  }
+  return text;
+}
+
 TEST(PartialEvaluator, KeepsTheAnswerSetsOfRandomPrograms)
 {
   const std::uint64_t first = environment("KR3_REASONER_SEED", 1);
   const std::uint64_t cases = environment("KR3_REASONER_CASES", 60) * 10;
   for (std::uint64_t seed = first; seed < first + cases && !HasFatalFailure(); ++seed)
   {
-    SCOPED_TRACE(seed);
     RandomProgram drawn(seed);
+    SCOPED_TRACE("seed " + std::to_string(seed) + ": " + toString(drawn));
     PartialEvaluator evaluator(drawn.program, drawn.frame_begin, drawn.groups);
     for (int round = 0; round < 4; ++round)  // the same evaluator, other inputs
     {

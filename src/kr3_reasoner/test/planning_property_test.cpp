@@ -358,6 +358,10 @@ TEST(PlanningProperty, PlansAreShortestAndWorkInEveryModelOfTheirHypothesis)
     const RandomCase drawn = randomCase(static_cast<std::uint64_t>(seed), size);
     SCOPED_TRACE(toString(drawn));
     const Setting setting = settingOf(drawn);
+    if (!Reasoner(setting.description, drawn.options).diagnose().consistent)
+    {
+      continue;  // no state at all: relevance takes descriptions for consistent
+    }
     for (const std::string& goal : setting.goals)
     {
       SCOPED_TRACE("goal: " + goal);
