@@ -423,50 +423,43 @@ private:
   void addTransitions(ModelParts& parts)
   {
     const Product product(model_, transitions_, states_);
-    SharedRowsBuilder rows;
-    rows.reserve(actions_.count() * states_.count());
-    std::vector<SparseEntry> row;
-    for (std::size_t a = 0; a < actions_.count(); ++a)
-    {
-      assign(actions_, a, assignment_.of(VariableRole::kAction));
-      assign(states_, 0, assignment_.of(VariableRole::kPrevious));
-      for (std::size_t s = 0; s < states_.count();
-           ++s, advance(model_.state, assignment_.of(VariableRole::kPrevious)))
-      {
-        row.clear();
-        product.forEach(assignment_, [&](std::size_t next, double probability) {
-          row.push_back({static_cast<std::uint32_t>(next), probability});
-        });
-        tidy(row);
-        rows.append(row);
-      }
-    }
-    parts.transitions = rows.take();
+    parts.transitions =
+        rowsOf(product, VariableRole::kPrevious, 1, [](std::size_t /*state*/) { return 0U; });
   }
 
   void addObservations(ModelParts& parts)
   {
     const Product product(model_, observing_, observations_);
+    parts.observation_rows = rowsOf(product, VariableRole::kCurrent, num_seen_,
+                                    [this](std::size_t state) { return seenIn(state); });
+  }
+
+  /// A row for each action and state, the state's variables in this role.
+  /// @param offset_of  of a state; a combination's place in its row is combination * stride +
+  ///                   offset
+  template <typename OffsetOf>
+  SharedRows rowsOf(const Product& product, VariableRole role, std::size_t stride,
+                    const OffsetOf& offset_of)
+  {
     SharedRowsBuilder rows;
     rows.reserve(actions_.count() * states_.count());
     std::vector<SparseEntry> row;
     for (std::size_t a = 0; a < actions_.count(); ++a)
     {
       assign(actions_, a, assignment_.of(VariableRole::kAction));
-      assign(states_, 0, assignment_.of(VariableRole::kCurrent));
-      for (std::size_t s = 0; s < states_.count();
-           ++s, advance(model_.state, assignment_.of(VariableRole::kCurrent)))
+      assign(states_, 0, assignment_.of(role));
+      for (std::size_t s = 0; s < states_.count(); ++s, advance(model_.state, assignment_.of(role)))
       {
-        const std::uint32_t seen = seenIn(s);
+        const std::uint32_t offset = offset_of(s);
         row.clear();
-        product.forEach(assignment_, [&](std::size_t observation, double probability) {
-          row.push_back({static_cast<std::uint32_t>(observation * num_seen_ + seen), probability});
+        product.forEach(assignment_, [&](std::size_t combination, double probability) {
+          row.push_back({static_cast<std::uint32_t>(combination * stride + offset), probability});
         });
         tidy(row);
         rows.append(row);
       }
     }
-    parts.observation_rows = rows.take();
+    return rows.take();
   }
 
   void addRewards(ModelParts& parts)

@@ -10,41 +10,6 @@ namespace
 
 using AtomId = StepProgram::AtomId;
 
-/// Whether constraints may make a fluent depend on another (or itself), by names.
-bool dependsOn(const Description& description, const std::string& fluent, const std::string& other)
-{
-  std::set<std::string> reached;
-  std::vector<std::string> open = {fluent};
-  while (!open.empty())
-  {
-    const std::string name = open.back();
-    open.pop_back();
-    if (name == other)
-    {
-      return true;
-    }
-    if (!reached.insert(name).second)
-    {
-      continue;
-    }
-    for (const StateConstraint& constraint : description.constraints)
-    {
-      if (!constraint.head || constraint.head->atom.name != name)
-      {
-        continue;
-      }
-      for (const Condition& condition : constraint.body)
-      {
-        if (const auto* literal = std::get_if<Literal>(&condition))
-        {
-          open.push_back(literal->atom.name);
-        }
-      }
-    }
-  }
-  return false;
-}
-
 void addRule(GroundProgram& program, bool choice, AtomId head,
              const std::vector<std::int32_t>& body)
 {
@@ -151,19 +116,6 @@ void groundConstraint(const StepContext& context, const StateConstraint& constra
 }
 
 }  // namespace
-
-bool isCircular(const Description& description, const StateConstraint& constraint,
-                const Condition& condition)
-{
-  const auto* literal = std::get_if<Literal>(&condition);
-  if (literal == nullptr || !constraint.head || literal->equal)
-  {
-    return false;
-  }
-  const FluentDeclaration& fluent = *description.findFluent(literal->atom.name);
-  return fluent.value_sort && fluent.kind != FluentKind::kStatic &&
-         dependsOn(description, literal->atom.name, constraint.head->atom.name);
-}
 
 void watchCircular(const StepContext& context)
 {

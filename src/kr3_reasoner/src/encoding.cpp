@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "statement_shape.hpp"
+
 namespace kr3::reasoner
 {
 
@@ -39,49 +41,6 @@ struct OpenAtom
   std::string term;
   std::string guards;
 };
-
-/// How often each variable stands in a body.
-std::map<std::string, int> variableUses(const Body& body)
-{
-  std::map<std::string, int> uses;
-  const auto use = [&](const Term& term) {
-    if (term.is_variable)
-    {
-      ++uses[term.name];
-    }
-  };
-  for (const Condition& condition : body)
-  {
-    if (const auto* literal = std::get_if<Literal>(&condition))
-    {
-      std::for_each(literal->atom.arguments.begin(), literal->atom.arguments.end(), use);
-      use(literal->value);
-    }
-    else if (const auto* comparison = std::get_if<Comparison>(&condition))
-    {
-      use(comparison->left);
-      use(comparison->right);
-    }
-    else
-    {
-      use(std::get<Membership>(condition).term);
-    }
-  }
-  return uses;
-}
-
-std::set<std::string> variablesOf(const std::vector<Term>& terms)
-{
-  std::set<std::string> names;
-  for (const Term& term : terms)
-  {
-    if (term.is_variable)
-    {
-      names.insert(term.name);
-    }
-  }
-  return names;
-}
 
 /// An expert's code, where the step is `t`, with the step called `_t` as in our own rules: a
 /// constant of the description may be called `t`, and would be taken for the step.
@@ -119,20 +78,6 @@ std::string tuple(const std::vector<std::string>& items)
     text += item + ",";
   }
   return items.empty() ? "()" : text + ")";
-}
-
-bool isPairwiseExclusion(const Executability& rule)
-{
-  if (rule.actions.size() != 2 || rule.body.size() != 1)
-  {
-    return false;
-  }
-  const auto* first = std::get_if<Term>(&rule.actions[0]);
-  const auto* second = std::get_if<Term>(&rule.actions[1]);
-  const auto* unequal = std::get_if<Comparison>(&rule.body[0]);
-  return first != nullptr && second != nullptr && unequal != nullptr && !(*first == *second) &&
-         unequal->op == Comparison::Operator::kNotEqual && !(unequal->left == unequal->right) &&
-         unequal->left.is_variable && unequal->right.is_variable;
 }
 
 }  // namespace
@@ -359,54 +304,12 @@ std::string Encoding::actions() const
   return text + "#defined agent/1. #defined exog/1. #defined occ/2. #defined imp/2.\n";
 }
 
-bool Encoding::dependsOn(const std::string& fluent, const std::string& other) const
-{
-  std::set<std::string> reached;
-  std::vector<std::string> open = {fluent};
-  while (!open.empty())
-  {
-    const std::string name = open.back();
-    open.pop_back();
-    if (name == other)
-    {
-      return true;
-    }
-    if (!reached.insert(name).second)
-    {
-      continue;
-    }
-    for (const StateConstraint& constraint : description_.constraints)
-    {
-      if (!constraint.head || constraint.head->atom.name != name)
-      {
-        continue;
-      }
-      for (const Condition& condition : constraint.body)
-      {
-        if (const auto* literal = std::get_if<Literal>(&condition))
-        {
-          open.push_back(literal->atom.name);
-        }
-      }
-    }
-  }
-  return false;
-}
-
-bool Encoding::isCircular(const StateConstraint& constraint, const Condition& condition) const
-{
-  const auto* literal = std::get_if<Literal>(&condition);
-  return literal != nullptr && constraint.head && !literal->equal && !isBoolean(*literal) &&
-         description_.findFluent(literal->atom.name)->kind != FluentKind::kStatic &&
-         dependsOn(literal->atom.name, constraint.head->atom.name);
-}
-
 std::string Encoding::stateBody(const StateConstraint& constraint) const
 {
   std::string text;
   for (const Condition& condition : constraint.body)
   {
-    if (isCircular(constraint, condition))
+    if (isCircular(description_, constraint, condition))
     {
       const auto& literal = std::get<Literal>(condition);
       text += ", ne(" + term(literal.atom) + "," + literal.value.name + ",_t)";
@@ -426,7 +329,7 @@ std::string Encoding::unequalRules() const
   {
     for (const Condition& condition : constraint.body)
     {
-      if (isCircular(constraint, condition))
+      if (isCircular(description_, constraint, condition))
       {
         const auto& literal = std::get<Literal>(condition);
         Guards guards(description_);

@@ -70,13 +70,6 @@ public:
   [[nodiscard]] bool isBoolean(const Literal& literal) const;
 
 private:
-  /// Whether constraints may make a fluent depend on another (or itself), by names.
-  [[nodiscard]] bool dependsOn(const std::string& fluent, const std::string& other) const;
-
-  /// Whether a condition `f != v` of a constraint may rest on the constraint's own head. Its
-  /// support then is that it held before, as for any literal that inertia keeps: `ne(F, V, t)`.
-  [[nodiscard]] bool isCircular(const StateConstraint& constraint,
-                                const Condition& condition) const;
   [[nodiscard]] std::string stateBody(const StateConstraint& constraint) const;
   [[nodiscard]] std::string unequalRules() const;
   [[nodiscard]] std::string lawRules(const CausalLaw& law, std::size_t index) const;

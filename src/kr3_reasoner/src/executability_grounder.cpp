@@ -84,21 +84,6 @@ private:
   std::unordered_map<std::vector<ConstantId>, AtomId, ConstantsHash> atoms_;
 };
 
-/// `impossible A, B if A != B`.
-bool isPairwiseExclusion(const Executability& rule)
-{
-  if (rule.actions.size() != 2 || rule.body.size() != 1)
-  {
-    return false;
-  }
-  const auto* first = std::get_if<Term>(&rule.actions[0]);
-  const auto* second = std::get_if<Term>(&rule.actions[1]);
-  const auto* unequal = std::get_if<Comparison>(&rule.body[0]);
-  return first != nullptr && second != nullptr && unequal != nullptr && !(*first == *second) &&
-         unequal->op == Comparison::Operator::kNotEqual && !(unequal->left == unequal->right) &&
-         unequal->left.is_variable && unequal->right.is_variable;
-}
-
 /// The numbers of all agent actions.
 std::vector<int> agentActions(const StepContext& context)
 {
@@ -270,7 +255,7 @@ void groundExecutability(const StepContext& context, const Executability& rule)
   {
     used.merge(variablesOf(atom->arguments));
   }
-  const std::unordered_map<std::string, int> uses = variableUses(rule.body);
+  const std::map<std::string, int> uses = variableUses(rule.body);
   StepBody body(context);
   const std::vector<Slot> arguments =
       atom != nullptr ? body.reader().action(*atom) : std::vector<Slot>{};

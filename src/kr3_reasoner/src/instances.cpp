@@ -6,6 +6,7 @@
 #include "encoding.hpp"
 #include "history.hpp"
 #include "solver.hpp"
+#include "vocabulary.hpp"
 
 namespace kr3::reasoner
 {
@@ -52,22 +53,7 @@ bool holds(const std::string& left, Comparison::Operator op, const std::string& 
     const long difference = std::stol(left) - std::stol(right);
     order = difference < 0 ? -1 : difference > 0 ? 1 : 0;
   }
-  switch (op)
-  {
-    case Comparison::Operator::kEqual:
-      return order == 0;
-    case Comparison::Operator::kNotEqual:
-      return order != 0;
-    case Comparison::Operator::kLess:
-      return order < 0;
-    case Comparison::Operator::kLessEqual:
-      return order <= 0;
-    case Comparison::Operator::kGreater:
-      return order > 0;
-    case Comparison::Operator::kGreaterEqual:
-      return order >= 0;
-  }
-  return false;
+  return satisfies(order, op);
 }
 
 Term bound(const Term& term, const Binding& binding)

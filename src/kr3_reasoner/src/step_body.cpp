@@ -47,48 +47,6 @@ void markVariables(const std::vector<Slot>& slots, std::vector<bool>& variables)
   }
 }
 
-std::set<std::string> variablesOf(const std::vector<Term>& terms)
-{
-  std::set<std::string> names;
-  for (const Term& term : terms)
-  {
-    if (term.is_variable)
-    {
-      names.insert(term.name);
-    }
-  }
-  return names;
-}
-
-std::unordered_map<std::string, int> variableUses(const Body& body)
-{
-  std::unordered_map<std::string, int> uses;
-  const auto use = [&](const Term& term) {
-    if (term.is_variable)
-    {
-      ++uses[term.name];
-    }
-  };
-  for (const Condition& condition : body)
-  {
-    if (const auto* literal = std::get_if<Literal>(&condition))
-    {
-      std::for_each(literal->atom.arguments.begin(), literal->atom.arguments.end(), use);
-      use(literal->value);
-    }
-    else if (const auto* comparison = std::get_if<Comparison>(&condition))
-    {
-      use(comparison->left);
-      use(comparison->right);
-    }
-    else
-    {
-      use(std::get<Membership>(condition).term);
-    }
-  }
-  return uses;
-}
-
 void StepBody::add(const Condition& condition, Time time)
 {
   if (const auto* comparison = std::get_if<Comparison>(&condition))
@@ -146,7 +104,7 @@ void StepBody::addDiffering(const Literal& literal, const Term& value)
 
 void StepBody::addBefore(const Body& body, const std::set<std::string>& used)
 {
-  const std::unordered_map<std::string, int> uses = variableUses(body);
+  const std::map<std::string, int> uses = variableUses(body);
   const auto onlyCompared = [&](const Literal& literal) {
     const FluentDeclaration& fluent =
         *context_.vocabulary.description().findFluent(literal.atom.name);

@@ -8,6 +8,7 @@
 #include "conditions.hpp"
 #include "join.hpp"
 #include "signature.hpp"
+#include "statement_shape.hpp"
 #include "step_program.hpp"
 
 namespace kr3::reasoner
@@ -118,11 +119,5 @@ private:
 
 /// Marks the variables among some slots.
 void markVariables(const std::vector<Slot>& slots, std::vector<bool>& variables);
-
-/// Variables that stand in these terms.
-[[nodiscard]] std::set<std::string> variablesOf(const std::vector<Term>& terms);
-
-/// How often each variable stands in a body.
-[[nodiscard]] std::unordered_map<std::string, int> variableUses(const Body& body);
 
 }  // namespace kr3::reasoner

@@ -16,10 +16,6 @@ void groundExclusion(const StepContext& context, const Executability& rule);
 /// @param index  of the law in the description
 void groundLaw(const StepContext& context, const CausalLaw& law, std::size_t index);
 
-/// Whether a condition `f != v` of a constraint may rest on the constraint's own head. Its support
-/// then is that it held before, as for any literal that inertia keeps.
-[[nodiscard]] bool isCircular(const Description& description, const StateConstraint& constraint,
-                              const Condition& condition);
 void watchCircular(const StepContext& context);
 void groundConstraints(const StepContext& context);
 

@@ -67,18 +67,8 @@ ConstantId Vocabulary::add(const std::string& name)
   return place->second;
 }
 
-bool Vocabulary::holds(ConstantId left, Comparison::Operator op, ConstantId right) const
+bool satisfies(int order, Comparison::Operator op)
 {
-  int order = 0;
-  if (left != right)
-  {
-    const long a = numbers_[left];
-    const long b = numbers_[right];
-    order = a != kNoNumber && b != kNoNumber ? (a < b   ? -1
-                                                : a > b ? 1
-                                                        : 0)
-                                             : names_[left].compare(names_[right]);
-  }
   switch (op)
   {
     case Comparison::Operator::kEqual:
@@ -95,6 +85,21 @@ bool Vocabulary::holds(ConstantId left, Comparison::Operator op, ConstantId righ
       return order >= 0;
   }
   return false;
+}
+
+bool Vocabulary::holds(ConstantId left, Comparison::Operator op, ConstantId right) const
+{
+  int order = 0;
+  if (left != right)
+  {
+    const long a = numbers_[left];
+    const long b = numbers_[right];
+    order = a != kNoNumber && b != kNoNumber ? (a < b   ? -1
+                                                : a > b ? 1
+                                                        : 0)
+                                             : names_[left].compare(names_[right]);
+  }
+  return satisfies(order, op);
 }
 
 }  // namespace kr3::reasoner

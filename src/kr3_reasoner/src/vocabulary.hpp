@@ -10,6 +10,9 @@
 namespace kr3::reasoner
 {
 
+/// Whether a comparison holds of terms in this order: negative, zero or positive.
+[[nodiscard]] bool satisfies(int order, Comparison::Operator op);
+
 /// A constant by number; kUnbound: not bound to any. Private to the package, as all of this file.
 using ConstantId = int;
 constexpr ConstantId kUnbound = -1;
