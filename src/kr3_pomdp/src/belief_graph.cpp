@@ -68,6 +68,19 @@ std::size_t BeliefGraph::numVectors() const
   return sum;
 }
 
+std::size_t BeliefGraph::sizeInBytes() const
+{
+  // A node of the index holds the next one, its key and its value.
+  constexpr std::size_t kIndexEntry = sizeof(void*) + 2 * sizeof(std::uint64_t);
+  std::size_t bytes = expansion_bytes_ + storage_bytes_ + nodes_.size() * sizeof(Node) +
+                      index_.size() * kIndexEntry + index_.bucket_count() * sizeof(void*);
+  for (std::size_t c = 0; c < vectors_.size(); ++c)
+  {
+    bytes += vectors_[c].sizeInBytes() + points_[c].sizeInBytes();
+  }
+  return bytes;
+}
+
 NodeId BeliefGraph::nodeOf(std::uint32_t state_class, std::vector<double>& belief)
 {
   std::uint64_t hash = state_class;
@@ -92,6 +105,7 @@ NodeId BeliefGraph::nodeOf(std::uint32_t state_class, std::vector<double>& belie
   {
     storage_.emplace_back();
     storage_.back().reserve(std::max(kBlock, stride));
+    storage_bytes_ += storage_.back().capacity() * sizeof(double);
   }
   std::vector<double>& block = storage_.back();
   const double* place = block.data() + block.size();
@@ -172,6 +186,7 @@ void BeliefGraph::expand(NodeId node)
   const double* belief = nodes_[node].belief;
   const StateClass& states = model_->classes()[state_class];
   Expansion result;
+  result.actions.reserve(states.actions.size());
   std::vector<double> next;
   for (const ClassAction& action : states.actions)
   {
@@ -212,6 +227,9 @@ void BeliefGraph::expand(NodeId node)
     entry.last_edge = static_cast<std::uint32_t>(result.edges.size());
     result.actions.push_back(entry);
   }
+  result.edges.shrink_to_fit();
+  expansion_bytes_ += sizeof(Expansion) + result.actions.capacity() * sizeof(NodeAction) +
+                      result.edges.capacity() * sizeof(Edge);
   expansions_.push_back(std::move(result));
   nodes_[node].expansion = static_cast<std::uint32_t>(expansions_.size());
 }

@@ -50,6 +50,8 @@ public:
   [[nodiscard]] std::size_t numVectors() const;
   [[nodiscard]] const std::vector<VectorSet>& vectors() const { return vectors_; }
   [[nodiscard]] const ObservedModel& model() const { return *model_; }
+  /// Memory held: nodes, outcomes, beliefs and their index, vectors, points.
+  [[nodiscard]] std::size_t sizeInBytes() const;
 
   /// Value of the belief under the vectors; never falls.
   double lower(NodeId node);
@@ -113,6 +115,8 @@ private:
   std::vector<NodeId> roots_;
   std::deque<Expansion> expansions_;
   std::deque<std::vector<double>> storage_;
+  std::size_t expansion_bytes_ = 0;
+  std::size_t storage_bytes_ = 0;
   std::unordered_multimap<std::uint64_t, NodeId> index_;
   // The belief that stands for an outcome that is impossible where a vector is
   // built: [class][action][branch].

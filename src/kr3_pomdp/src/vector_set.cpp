@@ -100,6 +100,12 @@ VectorSet::Best VectorSet::best(const double* belief, std::uint32_t first, Best 
   return known;
 }
 
+std::size_t VectorSet::sizeInBytes() const
+{
+  return sizeof(*this) + values_.capacity() * sizeof(double) +
+         (actions_.capacity() + replacement_.capacity()) * sizeof(std::uint32_t);
+}
+
 SawtoothSet::SawtoothSet(std::vector<double> corners) : corners_(std::move(corners))
 {
   corners_.resize(padded(corners_.size()), 0.0);
@@ -145,6 +151,13 @@ double SawtoothSet::value(const double* belief, std::uint32_t first) const
     greatest_drop = std::min(greatest_drop, ratio * gains_[i]);
   }
   return dot(belief, corners_.data(), stride) + greatest_drop;
+}
+
+std::size_t SawtoothSet::sizeInBytes() const
+{
+  return sizeof(*this) +
+         (corners_.capacity() + floored_.capacity() + inverse_.capacity() + gains_.capacity()) *
+             sizeof(double);
 }
 
 }  // namespace kr3::pomdp

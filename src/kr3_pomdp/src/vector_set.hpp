@@ -37,6 +37,8 @@ public:
   [[nodiscard]] std::uint32_t living(std::uint32_t i) const;
   [[nodiscard]] const double* values(std::uint32_t i) const { return values_.data() + i * stride_; }
   [[nodiscard]] std::uint32_t action(std::uint32_t i) const { return actions_[i]; }
+  /// Memory held.
+  [[nodiscard]] std::size_t sizeInBytes() const;
 
   struct Best
   {
@@ -75,6 +77,8 @@ public:
   [[nodiscard]] std::uint32_t end() const { return static_cast<std::uint32_t>(gains_.size()); }
   /// The least bound at a padded belief that points numbered from `first` give.
   [[nodiscard]] double value(const double* belief, std::uint32_t first) const;
+  /// Memory held.
+  [[nodiscard]] std::size_t sizeInBytes() const;
 
 private:
   std::vector<double> corners_;  // padded

@@ -207,6 +207,23 @@ TEST(Solver, KeepsItsDeadline)
   EXPECT_LT(result.elapsed_s, 1.0);  // generous: machines that run tests are busy
 }
 
+TEST(Solver, KeepsItsMemoryLimit)
+{
+  SolverLimits limits = backups(1000000);
+  limits.max_memory_bytes = 4U << 20U;
+  std::size_t before = 0;
+  const SolveResult result =
+      solve(test::roomSearch(3), limits, [&before](const SolverProgress& progress) {
+        EXPECT_LT(progress.memory_bytes, 4U << 20U);
+        before = progress.memory_bytes;
+        return true;
+      });
+  EXPECT_EQ(result.reason, StopReason::kMemoryLimit);
+  EXPECT_GE(result.memory_bytes, 4U << 20U);
+  EXPECT_LT(result.memory_bytes, before + (1U << 20U));  // one backup more
+  EXPECT_LE(result.lower, result.upper);
+}
+
 TEST(Solver, RefusesWhatCannotEnd)
 {
   SolverLimits limits;
@@ -215,6 +232,9 @@ TEST(Solver, RefusesWhatCannotEnd)
   limits.precision = -1.0;
   EXPECT_THROW((void)solve(test::tiger(), limits), InvalidArgument);
   EXPECT_THROW((void)solve(test::tiger(1.0), backups(10)), InvalidArgument);
+  limits = backups(10);
+  limits.num_threads = 0;
+  EXPECT_THROW((void)solve(test::tiger(), limits), InvalidArgument);
 }
 
 TEST(Solver, OneStateIsSolvedExactly)

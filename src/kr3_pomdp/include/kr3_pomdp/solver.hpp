@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 
@@ -12,9 +13,11 @@ namespace kr3::pomdp
 /// When to stop; whichever comes first. With counted work alone a run repeats exactly.
 struct SolverLimits
 {
-  double precision = 1e-3;        ///< gap between the bounds at the initial belief, >= 0
-  double time_s = 0.0;            ///< wall time; 0 = no limit
-  std::uint64_t max_backups = 0;  ///< point-based backups; 0 = no limit
+  double precision = 1e-3;           ///< gap between the bounds at the initial belief, >= 0
+  double time_s = 0.0;               ///< wall time; 0 = no limit
+  std::uint64_t max_backups = 0;     ///< point-based backups; 0 = no limit
+  std::size_t max_memory_bytes = 0;  ///< held by the search, without the model; 0 = no limit
+  int num_threads = 1;               ///< >= 1
 };
 
 struct SolverProgress
@@ -24,6 +27,7 @@ struct SolverProgress
   std::uint64_t backups;
   std::size_t num_alpha_vectors;
   double elapsed_s;
+  std::size_t memory_bytes;  ///< held by the search: beliefs, their outcomes, vectors, points
 };
 
 enum class StopReason
@@ -32,9 +36,10 @@ enum class StopReason
   kTimeLimit,
   kBackupLimit,
   kCancelled,  ///< `keep_going` said no
+  kMemoryLimit,
 };
 
-/// "precision", "time limit", "backup limit", "cancelled".
+/// "precision", "time limit", "backup limit", "cancelled", "memory limit".
 [[nodiscard]] const char* toString(StopReason reason);
 
 struct SolveResult
@@ -45,8 +50,9 @@ struct SolveResult
   double upper;  ///< no policy earns more
   std::uint64_t backups;
   StopReason reason;
-  double elapsed_s;  ///< wall time
-  double cpu_s;      ///< CPU time of the calling thread
+  double elapsed_s;          ///< wall time
+  double cpu_s;              ///< CPU time of the calling thread and of those it started
+  std::size_t memory_bytes;  ///< held by the search at its end, as in SolverProgress
 };
 
 /// Called often (at least once per trial, never more than every few microseconds); false cancels.
@@ -56,8 +62,10 @@ using ProgressCallback = std::function<bool(const SolverProgress&)>;
 /// gives the best policy so far.
 ///
 /// @param keep_going  may be empty
-/// @throws InvalidArgument  a limit that is negative or not finite, or no limit at all can end the
-///                          run (precision 0 without time, backups or callback); a discount of 1
+/// @throws InvalidArgument  a limit that is negative or not finite, no thread, or no limit at all
+/// can
+///                          end the run (precision 0 without time, backups or callback); a
+///                          discount of 1
 /// Sources: Smith and Simmons (2004, 2005), HSVI; Kurniawati, Hsu and Lee (2008), SARSOP;
 /// Hauskrecht (2000), fast informed bound and sawtooth.
 [[nodiscard]] SolveResult solve(const Model& model, const SolverLimits& limits,

@@ -1,0 +1,215 @@
+#include "search.hpp"
+
+#include <algorithm>
+
+namespace kr3::pomdp
+{
+
+namespace
+{
+
+constexpr std::size_t kMaxDepth = 2000;
+constexpr double kTrialTarget = 0.5;   // of the root's gap
+constexpr double kSampledShare = 0.5;  // of the trials
+constexpr double kOptimistic = 0.25;   // probability
+constexpr double kExploration = 0.1;   // probability
+constexpr double kLeastWeight = 0.05;  // discount at which a trial ends
+constexpr double kLeastGap = 0.01;     // of the root's gap
+
+}  // namespace
+
+Search::Search(BeliefGraph& graph, double precision, Supervisor& supervisor)
+  : graph_(&graph), precision_(precision), supervisor_(&supervisor)
+{
+}
+
+bool Search::mayGoOn()
+{
+  return supervisor_->mayGoOn({lower(), upper(), graph_->numVectors(), graph_->sizeInBytes()});
+}
+
+template <typename ValueOf>
+double Search::expected(const ValueOf& value_of)
+{
+  double sum = 0.0;
+  for (std::size_t i = 0; i < graph_->roots().size(); ++i)
+  {
+    sum += graph_->model().starts()[i].probability * value_of(graph_->roots()[i]);
+  }
+  return sum;
+}
+
+double Search::lower()
+{
+  return expected([this](NodeId root) { return graph_->lower(root); });
+}
+
+double Search::upper()
+{
+  return expected([this](NodeId root) { return graph_->upper(root); });
+}
+
+void Search::run()
+{
+  double sampled_due = 0.0;
+  while (mayGoOn())
+  {
+    sampled_due += kSampledShare;
+    if (sampled_due >= 1.0)
+    {
+      sampled_due -= 1.0;
+      sampledTrial();
+    }
+    else
+    {
+      upperTrial();
+    }
+  }
+}
+
+/// The start that adds most to the gap.
+NodeId Search::widestRoot()
+{
+  NodeId widest = graph_->roots().front();
+  double most = -1.0;
+  for (std::size_t i = 0; i < graph_->roots().size(); ++i)
+  {
+    const NodeId root = graph_->roots()[i];
+    const double excess =
+        graph_->model().starts()[i].probability * (graph_->upper(root) - graph_->lower(root));
+    if (excess > most)
+    {
+      most = excess;
+      widest = root;
+    }
+  }
+  return widest;
+}
+
+NodeId Search::sampledRoot()
+{
+  const std::vector<NodeId>& roots = graph_->roots();
+  std::size_t i = 0;
+  for (double u = roots.size() > 1 ? uniform() : 0.0; i + 1 < roots.size(); ++i)
+  {
+    u -= graph_->model().starts()[i].probability;
+    if (u < 0.0)
+    {
+      break;
+    }
+  }
+  return roots[i];
+}
+
+/// Follows the upper bound to where the gap that the root still has comes from.
+/// Source: Smith and Simmons (2004); the trial's target shrinks with the gap at the root.
+void Search::upperTrial()
+{
+  NodeId node = widestRoot();
+  const double root_gap = graph_->upper(node) - graph_->lower(node);
+  double allowed = std::max(precision_ * kTrialTarget, root_gap * kTrialTarget);
+  path_.clear();
+  while (path_.size() < kMaxDepth && graph_->upper(node) - graph_->lower(node) > allowed)
+  {
+    path_.push_back(node);
+    allowed /= graph_->model().discount();
+    const std::size_t action = graph_->bestUpper(node).action;
+    const NodeAction& entry = graph_->actions(node)[action];
+    const std::vector<Edge>& edges = graph_->edges(node);
+    double most = 0.0;
+    NodeId next = node;
+    for (std::uint32_t e = entry.first_edge; e < entry.last_edge; ++e)
+    {
+      const double gap = graph_->upper(edges[e].child) - graph_->lower(edges[e].child);
+      const double excess = edges[e].probability * (gap - allowed);
+      if (excess > most)
+      {
+        most = excess;
+        next = edges[e].child;
+      }
+    }
+    if (next == node)
+    {
+      break;
+    }
+    node = next;
+  }
+  backUpPath();
+}
+
+/// Samples what happens, mostly under the policy found so far, at times under the
+/// optimistic one, with some exploration: where upper bounds stay far off, this improves the
+/// lower bound where it is used.
+void Search::sampledTrial()
+{
+  NodeId node = sampledRoot();
+  const double root_gap = graph_->upper(node) - graph_->lower(node);
+  const bool optimistic = uniform() < kOptimistic;
+  double weight = 1.0;
+  path_.clear();
+  while (weight > kLeastWeight &&
+         weight * (graph_->upper(node) - graph_->lower(node)) > kLeastGap * root_gap)
+  {
+    path_.push_back(node);
+    weight *= graph_->model().discount();
+    std::size_t action = graph_->bestUpper(node).action;
+    if (uniform() < kExploration)
+    {
+      action = anyUseful(node);
+    }
+    else if (!optimistic)
+    {
+      action = graph_->bestLower(node).action;
+    }
+    node = sampledChild(node, action);
+  }
+  backUpPath();
+}
+
+std::size_t Search::anyUseful(NodeId node)
+{
+  std::vector<std::size_t> useful;
+  const std::vector<NodeAction>& actions = graph_->actions(node);
+  for (std::size_t a = 0; a < actions.size(); ++a)
+  {
+    if (!actions[a].useless)
+    {
+      useful.push_back(a);
+    }
+  }
+  return useful[static_cast<std::size_t>(uniform() * static_cast<double>(useful.size()))];
+}
+
+NodeId Search::sampledChild(NodeId node, std::size_t action)
+{
+  const NodeAction& entry = graph_->actions(node)[action];
+  const std::vector<Edge>& edges = graph_->edges(node);
+  double u = uniform();
+  std::uint32_t e = entry.first_edge;
+  while (e + 1 < entry.last_edge && (u -= edges[e].probability) >= 0.0)
+  {
+    ++e;
+  }
+  return edges[e].child;
+}
+
+void Search::backUpPath()
+{
+  for (std::size_t i = path_.size(); i-- > 0;)
+  {
+    graph_->backUp(path_[i]);
+    supervisor_->countBackup();
+    if (i > 0 && !mayGoOn())
+    {
+      return;
+    }
+  }
+}
+
+/// Uniform in [0, 1), the same with every standard library.
+double Search::uniform()
+{
+  return static_cast<double>(random_() >> 11) * 0x1.0p-53;
+}
+
+}  // namespace kr3::pomdp

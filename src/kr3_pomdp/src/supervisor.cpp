@@ -1,0 +1,87 @@
+#include "supervisor.hpp"
+
+#include <algorithm>
+#include <ctime>
+
+namespace kr3::pomdp
+{
+
+namespace
+{
+
+double threadCpuSeconds()
+{
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
+
+Supervisor::Supervisor(const SolverLimits& limits, const ProgressCallback& keep_going)
+  : limits_(&limits)
+  , keep_going_(&keep_going)
+  , start_(Clock::now())
+  , cpu_start_s_(threadCpuSeconds())
+{
+}
+
+double Supervisor::elapsedSeconds() const
+{
+  return std::chrono::duration<double>(Clock::now() - start_).count();
+}
+
+double Supervisor::cpuSeconds() const
+{
+  return threadCpuSeconds() - cpu_start_s_;
+}
+
+void Supervisor::stop(StopReason reason)
+{
+  stopped_ = true;
+  reason_ = reason;
+}
+
+bool Supervisor::mayGoOn(const SearchState& state)
+{
+  lower_ = std::max(lower_, state.lower);
+  upper_ = std::max(lower_, std::min(upper_, state.upper));
+  if (stopped_)
+  {
+    return false;
+  }
+  const double elapsed_s = elapsedSeconds();
+  if (upper_ - lower_ <= limits_->precision)
+  {
+    stop(StopReason::kPrecision);
+  }
+  else if (limits_->max_backups != 0 && backups_ >= limits_->max_backups)
+  {
+    stop(StopReason::kBackupLimit);
+  }
+  else if (limits_->max_memory_bytes != 0 && state.memory_bytes >= limits_->max_memory_bytes)
+  {
+    stop(StopReason::kMemoryLimit);
+  }
+  else if (limits_->time_s > 0.0 && elapsed_s >= limits_->time_s)
+  {
+    stop(StopReason::kTimeLimit);
+  }
+  else if (*keep_going_ && !(*keep_going_)({lower_, upper_, backups_, state.num_vectors, elapsed_s,
+                                            state.memory_bytes}))
+  {
+    stop(StopReason::kCancelled);
+  }
+  return !stopped_;
+}
+
+bool Supervisor::mayPrepare()
+{
+  if (!stopped_ && limits_->time_s > 0.0 && elapsedSeconds() >= limits_->time_s)
+  {
+    stop(StopReason::kTimeLimit);
+  }
+  return !stopped_;
+}
+
+}  // namespace kr3::pomdp
