@@ -14,6 +14,7 @@
 
 #include "kr3_pomdp/pomdpx_format.hpp"
 #include "kr3_pomdp/solver.hpp"
+#include "solve_trace.hpp"
 
 namespace
 {
@@ -22,6 +23,8 @@ struct Options
 {
   std::string model;
   std::string policy;
+  std::string trace;
+  double cpu_time_s = 0.0;
   kr3::pomdp::SolverLimits limits;
   bool quiet = false;
 };
@@ -40,6 +43,8 @@ void run(const Options& options)
   const Model model = loadModel(options.model);
   std::printf("%zu states, %zu actions, %zu observations, discount %g\n", model.numStates(),
               model.numActions(), model.numObservations(), model.discount());
+  SolveTrace trace(options.trace, model, processCpuSeconds());
+  bool out_of_cpu_time = false;
   double next_print_s = 0.05;
   const SolveResult result = solve(model, options.limits, [&](const SolverProgress& progress) {
     if (!options.quiet && progress.elapsed_s >= next_print_s)
@@ -48,11 +53,16 @@ void run(const Options& options)
                   progress.num_alpha_vectors);
       next_print_s = std::max(2.0 * next_print_s, progress.elapsed_s);
     }
-    return true;
+    const double cpu_s = trace.cpuSeconds();
+    trace.add(progress, cpu_s);
+    out_of_cpu_time = options.cpu_time_s > 0.0 && cpu_s >= options.cpu_time_s;
+    return !out_of_cpu_time;
   });
+  const char* reason = out_of_cpu_time ? "CPU time limit" : toString(result.reason);
+  trace.finish(result, reason);
   printBounds(result.elapsed_s, result.lower, result.upper, result.backups,
               result.policy.numAlphaVectors());
-  std::printf("stopped: %s; %.3f s CPU\n", toString(result.reason), result.cpu_s);
+  std::printf("stopped: %s; %.3f s CPU\n", reason, result.cpu_s);
   if (!options.policy.empty())
   {
     std::ofstream out(options.policy);
@@ -77,10 +87,14 @@ int main(int argc, char** argv)
       ->capture_default_str();
   app.add_option("--time", options.limits.time_s, "stop after so many seconds; 0 = no limit")
       ->capture_default_str();
+  app.add_option("--cpu-time", options.cpu_time_s,
+                 "stop after so many seconds of CPU time after loading; 0 = no limit")
+      ->capture_default_str();
   app.add_option("--backups", options.limits.max_backups,
                  "stop after so many backups; 0 = no limit")
       ->capture_default_str();
   app.add_option("--policy", options.policy, "file to write the policy to");
+  app.add_option("--trace", options.trace, "file to write the bounds over time to, as JSON lines");
   app.add_flag("--quiet", options.quiet, "only the result");
   CLI11_PARSE(app, argc, argv);
   try
