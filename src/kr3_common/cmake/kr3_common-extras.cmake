@@ -47,3 +47,23 @@ function(kr3_gtest name)
   target_compile_definitions(${target} PRIVATE
     KR3_DOMAINS_DIR="${repository_dir}/domains" KR3_TEST_DIR="${package_dir}/test")
 endfunction()
+
+# kr3_python_module(<name> SOURCES ... LIBRARIES ...): what `import <name>` finds, without a master, with the types
+# of python/<name>-stubs for editors and type checkers. The package finds pybind11 itself.
+function(kr3_python_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  set(target ${PROJECT_NAME}_python)
+  pybind11_add_module(${target} MODULE NO_EXTRAS ${ARG_SOURCES})
+  kr3_target(${target})
+  target_link_libraries(${target} PRIVATE ${ARG_LIBRARIES})
+  target_link_options(${target} PRIVATE -Wl,-z,undefs) # the interpreter brings its own symbols
+  set_target_properties(${target} PROPERTIES
+    OUTPUT_NAME ${name}
+    LIBRARY_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_GLOBAL_PYTHON_DESTINATION})
+  install(TARGETS ${target} LIBRARY DESTINATION ${CATKIN_GLOBAL_PYTHON_DESTINATION})
+  foreach(file __init__.pyi py.typed)
+    configure_file(python/${name}-stubs/${file}
+      ${CATKIN_DEVEL_PREFIX}/${CATKIN_GLOBAL_PYTHON_DESTINATION}/${name}-stubs/${file} COPYONLY)
+  endforeach()
+  install(DIRECTORY python/${name}-stubs DESTINATION ${CATKIN_GLOBAL_PYTHON_DESTINATION})
+endfunction()

@@ -15,8 +15,6 @@
 namespace kr3::reasoner
 {
 
-/// The exceptions: a leaf of `Error` for each code.
-void bindErrors(pybind11::module_& module);
 /// Descriptions, records and how they are read.
 void bindLanguage(pybind11::module_& module);
 /// Diagnoses, retractions, models and explanations.

@@ -1,4 +1,4 @@
-"""The type stub of the Python module is what python/make_stub.py makes of the module."""
+"""The type stub of the Python module is what kr3_common's make_stub.py makes of the module."""
 
 import ast
 import importlib.util
@@ -8,12 +8,13 @@ import pytest
 
 kr3 = pytest.importorskip("kr3_reasoner", reason="the workspace is not built or not sourced")
 
-PYTHON = Path(__file__).resolve().parents[1] / "python"
-STUB = PYTHON / "kr3_reasoner-stubs/__init__.pyi"
+PACKAGE = Path(__file__).resolve().parents[1]
+MAKER = PACKAGE.parent / "kr3_common/python/make_stub.py"
+STUB = PACKAGE / "python/kr3_reasoner-stubs/__init__.pyi"
 
 
 def maker():
-    spec = importlib.util.spec_from_file_location("make_stub", PYTHON / "make_stub.py")
+    spec = importlib.util.spec_from_file_location("make_stub", MAKER)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -21,7 +22,7 @@ def maker():
 
 def test_the_stub_is_the_module():
     made = maker().stub(kr3)
-    assert STUB.read_text("utf-8") == made, "make it again: python/make_stub.py"
+    assert STUB.read_text("utf-8") == made, "make it again: kr3_common/python/make_stub.py kr3_reasoner"
 
 
 def test_the_stub_has_every_public_name_and_parses():

@@ -1,7 +1,7 @@
 """High-level reasoning of KR3: an action language, histories with defaults, entailment, diagnosis
 and planning. Names are those of the C++ library; statements are texts in the language."""
 
-# Made by python/make_stub.py.
+# Made by kr3_common/python/make_stub.py.
 
 import datetime
 from typing import Callable, ClassVar, Optional, overload

@@ -1,10 +1,11 @@
 #!/usr/bin/python3
-"""Write kr3_reasoner-stubs/__init__.pyi from the built module: make_stub.py > FILE.
+"""Write the type stub of a built Python module: make_stub.py MODULE > MODULE-stubs/__init__.pyi.
 
 pybind11 puts every signature into a docstring; types, defaults and documentation come from there. The test
-test_stub.py compares the file with the module, so it is made anew whenever the module changes.
+test_stub.py of a package compares its file with the module, so it is made anew whenever the module changes.
 """
 
+import importlib
 import inspect
 import re
 import sys
@@ -12,20 +13,27 @@ import textwrap
 
 HEADER = '''"""{doc}"""
 
-# Made by python/make_stub.py.
+# Made by kr3_common/python/make_stub.py.
 
-import datetime
-from typing import Callable, ClassVar, Optional, overload
+{imports}
 '''
+MODULES = ("datetime", "numpy")
+TYPING = ("Any", "Callable", "ClassVar", "Iterable", "Iterator", "Optional", "Union", "overload")
 SIGNATURE = re.compile(r"^(?:\d+\. )?(\w+)\((.*)\) -> (.+)$")
 
 
 def plain(annotation):
     """A type as pybind11 writes it, as Python writes it today."""
-    text = annotation.replace("kr3_reasoner.", "")
-    for old, new in (("List[", "list["), ("Dict[", "dict["), ("Tuple[", "tuple[")):
+    text = re.sub(r"\bkr3_\w+\.", "", annotation)
+    for old, new in (
+        ("List[", "list["),
+        ("Dict[", "dict["),
+        ("Tuple[", "tuple["),
+        ("numpy.ndarray[numpy.", "numpy.ndarray[Any, numpy."),
+    ):
         text = text.replace(old, new)
-    return text
+    text = re.sub(r"(ndarray\[Any, )(numpy\.\w+)\]", r"\1numpy.dtype[\2]]", text)
+    return re.sub(r"(?<![.\w])(object|handle)\b", "Any", text)
 
 
 def split_arguments(text):
@@ -131,20 +139,27 @@ def class_stub(name, item):
     return lines + [f"    {line}" for line in members(item)]
 
 
+def imports(text):
+    """The lines that import what a stub mentions."""
+    lines = [f"import {name}" for name in MODULES if f"{name}." in text]
+    used = [name for name in TYPING if re.search(rf"\b{name}\b", text)]
+    return "\n".join(lines + [f"from typing import {', '.join(used)}"])
+
+
 def stub(module):
-    blocks = [HEADER.format(doc="\n".join(textwrap.wrap(inspect.getdoc(module), 95)))]
+    blocks = []
     for name, item in vars(module).items():
         if name.startswith("_"):
             continue
         block = class_stub(name, item) if inspect.isclass(item) else functions(name, item)
         blocks.append("\n".join(block) + "\n")
-    return "\n".join(blocks)
+    documentation = "\n".join(textwrap.wrap(inspect.getdoc(module), 95))
+    header = HEADER.format(doc=documentation, imports=imports("\n".join(blocks)))
+    return "\n".join([header, *blocks])
 
 
 def main():
-    import kr3_reasoner  # of the workspace that is sourced
-
-    sys.stdout.write(stub(kr3_reasoner))
+    sys.stdout.write(stub(importlib.import_module(sys.argv[1])))  # of the workspace that is sourced
     return 0
 
 
