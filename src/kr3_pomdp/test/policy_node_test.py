@@ -55,8 +55,16 @@ class PolicyNodeTest(unittest.TestCase):
             raise RuntimeError("pomdp/solve did not come up")
         rospy.wait_for_service("pomdp/get_action", timeout=20)
         rospy.wait_for_service("pomdp/update_belief", timeout=20)
-        cls.get_action = rospy.ServiceProxy("pomdp/get_action", GetPolicyAction)
-        cls.update_belief = rospy.ServiceProxy("pomdp/update_belief", UpdateBelief)
+        get_action = rospy.ServiceProxy("pomdp/get_action", GetPolicyAction)
+        update_belief = rospy.ServiceProxy("pomdp/update_belief", UpdateBelief)
+        cls.get_action = staticmethod(
+            lambda policy, belief: get_action(policy_id=policy, belief=belief)
+        )
+        cls.update_belief = staticmethod(
+            lambda policy, belief, action, observation: update_belief(
+                policy_id=policy, belief=belief, action=action, observation=observation
+            )
+        )
 
     def solve(self, **fields):
         self.client.send_goal(SolveGoal(**{"format": "pomdp", **fields}))
