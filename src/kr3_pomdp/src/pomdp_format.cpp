@@ -12,10 +12,10 @@
 namespace kr3::pomdp
 {
 
-Model readPomdp(std::istream& in, const std::string& name)
+Model readPomdp(std::istream& in, const std::string& name, const ReadOptions& options)
 {
   std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  return PomdpParser(std::move(text), name).parse();
+  return PomdpParser(std::move(text), name, options).parse();
 }
 
 Model loadPomdp(const std::string& path)

@@ -2,12 +2,23 @@
 
 #include <cmath>
 
+#include <kr3_common/error.hpp>
+
 namespace kr3::pomdp
 {
 
 void PomdpParser::set(bool is_transition, std::size_t action, std::size_t state, std::size_t column,
                       double p)
 {
+  if (p != 0.0)
+  {
+    const std::size_t num_columns =
+        is_transition ? builder_->states().size() : builder_->observations().size();
+    num_written_ += (action == kAny ? builder_->actions().size() : 1) *
+                    (state == kAny ? builder_->states().size() : 1) *
+                    (column == kAny ? num_columns : 1);
+    checkCount(num_written_, options_.max_entries, "entries of T and O");
+  }
   if (is_transition)
   {
     builder_->setTransition(action, state, column, p);
@@ -61,7 +72,7 @@ void PomdpParser::transition()
     if (acceptColon())
     {
       const std::size_t next = element(builder_->states(), "state");
-      builder_->setTransition(action, state, next, probability());
+      set(true, action, state, next, probability());
     }
     else
     {
@@ -102,7 +113,7 @@ void PomdpParser::observation()
     if (acceptColon())
     {
       const std::size_t seen = element(builder_->observations(), "observation");
-      builder_->setObservation(action, state, seen, probability());
+      set(false, action, state, seen, probability());
     }
     else
     {
@@ -200,6 +211,10 @@ Model PomdpParser::parse()
   observation_places_.resize(actions_.size() * size);
   while (lexer_.current().kind != Token::Kind::kEnd)
   {
+    if (options_.keep_going && !options_.keep_going())
+    {
+      throw Cancelled("reading the model was cancelled");
+    }
     const Token token = lexer_.take();
     place_ = {token.line, token.column};
     if (token.text == "start")

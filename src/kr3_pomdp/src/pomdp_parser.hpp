@@ -9,6 +9,7 @@
 
 #include "file_tolerance.hpp"
 #include "kr3_pomdp/model_builder.hpp"
+#include "kr3_pomdp/read_options.hpp"
 #include "pomdp_lexer.hpp"
 
 namespace kr3::pomdp
@@ -25,7 +26,10 @@ struct Place
 class PomdpParser
 {
 public:
-  PomdpParser(std::string text, const std::string& name) : lexer_(std::move(text), name) {}
+  PomdpParser(std::string text, const std::string& name, ReadOptions options = {})
+    : lexer_(std::move(text), name), options_(std::move(options))
+  {
+  }
 
   Model parse();
 
@@ -38,6 +42,8 @@ private:
   void reward();
   void row(bool is_transition, std::size_t action, std::size_t state);
   void set(bool is_transition, std::size_t action, std::size_t state, std::size_t column, double p);
+  /// @throws ResourceExhausted  `count` is above `limit`, unless that is 0
+  void checkCount(std::size_t count, std::size_t limit, const std::string& what) const;
   /// Notes that the statement being read wrote these rows.
   void mark(std::vector<Place>& places, std::size_t action, std::size_t state) const;
   void checkRows();
@@ -95,6 +101,8 @@ private:
   std::vector<std::string> names(const std::string& kind);
 
   PomdpLexer lexer_;
+  ReadOptions options_;
+  std::size_t num_written_ = 0;  // entries of T and O
   std::optional<double> discount_;
   bool costs_ = false;
   std::vector<std::string> states_;

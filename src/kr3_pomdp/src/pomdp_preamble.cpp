@@ -2,10 +2,21 @@
 #include <cmath>
 #include <set>
 
+#include <kr3_common/error.hpp>
+
 #include "pomdp_parser.hpp"
 
 namespace kr3::pomdp
 {
+
+void PomdpParser::checkCount(std::size_t count, std::size_t limit, const std::string& what) const
+{
+  if (limit != 0 && count > limit)
+  {
+    throw ResourceExhausted("a model of " + std::to_string(count) + " " + what +
+                            ", expected at most " + std::to_string(limit));
+  }
+}
 
 std::vector<std::string> PomdpParser::names(const std::string& kind)
 {
@@ -17,6 +28,7 @@ std::vector<std::string> PomdpParser::names(const std::string& kind)
     {
       lexer_.fail(token, "the number of " + kind + "s, or their names");
     }
+    checkCount(static_cast<std::size_t>(token.value), options_.max_names, kind + "s");
     for (std::size_t i = 0; i < static_cast<std::size_t>(token.value); ++i)
     {
       found.push_back(std::to_string(i));
@@ -42,6 +54,7 @@ std::vector<std::string> PomdpParser::names(const std::string& kind)
     }
     found.emplace_back(token.text);
   }
+  checkCount(found.size(), options_.max_names, kind + "s");
   if (found.empty())
   {
     lexer_.fail(lexer_.current(), "the number of " + kind + "s, or their names");
@@ -128,6 +141,7 @@ void PomdpParser::preamble()
       lexer_.fail(lexer_.current(), "'" + std::string(key) + ":' before anything else");
     }
   }
+  checkCount(actions_.size() * states_.size(), options_.max_rows, "rows (actions times states)");
 }
 
 void PomdpParser::start()

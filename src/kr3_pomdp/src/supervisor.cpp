@@ -81,6 +81,11 @@ bool Supervisor::mayPrepare()
   {
     stop(StopReason::kTimeLimit);
   }
+  if (!stopped_ && *keep_going_ &&
+      !(*keep_going_)({lower_, upper_, backups_, 0, elapsedSeconds(), 0}))
+  {
+    stop(StopReason::kCancelled);
+  }
   return !stopped_;
 }
 

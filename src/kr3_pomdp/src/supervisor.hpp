@@ -35,7 +35,7 @@ public:
 
   /// Reports, and says whether work may go on.
   bool mayGoOn(const SearchState& state);
-  /// Before there are bounds: only time counts.
+  /// Before there are bounds: time and the callback count.
   bool mayPrepare();
 
 private:

@@ -222,6 +222,36 @@ TEST(PomdpFormat, RoundTripIsExact)
   expectEqual(room, readPomdp(text, "text"));
 }
 
+Model readWithin(const std::string& text, const ReadOptions& options)
+{
+  std::istringstream in(text);
+  return readPomdp(in, "m", options);
+}
+
+TEST(PomdpFormat, LargerThanAllowedIsRefused)
+{
+  ReadOptions options;
+  options.max_names = 1000;
+  options.max_rows = 2000;
+  options.max_entries = 100000;
+  EXPECT_EQ(readWithin(kHead + kRest, options).numStates(), 2U);
+  const std::string tail = "\nactions: 3\nobservations: 2\nT: * uniform\nO: * uniform\n";
+  const std::string head = "discount: 0.9\nvalues: reward\nstates: ";
+  EXPECT_THROW(readWithin(head + "9000000" + tail, options), ResourceExhausted);
+  EXPECT_THROW(readWithin(head + "900" + tail, options), ResourceExhausted);  // 2700 rows
+  EXPECT_THROW(readWithin(head + "500" + tail, options), ResourceExhausted);  // 750000 entries
+  EXPECT_EQ(readWithin(head + "100" + tail, options).numStates(), 100U);
+}
+
+TEST(PomdpFormat, ReadingIsCancelled)
+{
+  ReadOptions options;
+  int asked = 0;
+  options.keep_going = [&asked] { return ++asked < 2; };
+  EXPECT_THROW(readWithin(kHead + kRest, options), Cancelled);
+  EXPECT_EQ(asked, 2);
+}
+
 TEST(PomdpFormat, AMissingFileIsUnavailable)
 {
   EXPECT_THROW((void)loadPomdp("/nowhere/model.pomdp"), Unavailable);

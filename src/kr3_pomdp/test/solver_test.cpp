@@ -197,6 +197,20 @@ TEST(Solver, ACancelledRunGivesThePolicySoFar)
   EXPECT_LE(result.lower, result.upper);
 }
 
+TEST(Solver, IsCancelledBeforeThereAreBounds)
+{
+  SolverLimits limits;
+  limits.precision = 0.0;
+  bool unbounded = false;
+  const SolveResult result = solve(test::tiger(), limits, [&](const SolverProgress& progress) {
+    unbounded = !std::isfinite(progress.lower) && !std::isfinite(progress.upper);
+    return false;
+  });
+  EXPECT_TRUE(unbounded);
+  EXPECT_EQ(result.reason, StopReason::kCancelled);
+  EXPECT_LE(result.lower, result.upper);
+}
+
 TEST(Solver, KeepsItsDeadline)
 {
   SolverLimits limits;

@@ -1,6 +1,7 @@
 // Solves a .pomdp or .pomdpx file and prints the bounds as they come nearer.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -47,14 +48,18 @@ void run(const Options& options)
   bool out_of_cpu_time = false;
   double next_print_s = 0.05;
   const SolveResult result = solve(model, options.limits, [&](const SolverProgress& progress) {
-    if (!options.quiet && progress.elapsed_s >= next_print_s)
+    const bool bounded = std::isfinite(progress.lower);
+    if (bounded && !options.quiet && progress.elapsed_s >= next_print_s)
     {
       printBounds(progress.elapsed_s, progress.lower, progress.upper, progress.backups,
                   progress.num_alpha_vectors);
       next_print_s = std::max(2.0 * next_print_s, progress.elapsed_s);
     }
     const double cpu_s = trace.cpuSeconds();
-    trace.add(progress, cpu_s);
+    if (bounded)
+    {
+      trace.add(progress, cpu_s);
+    }
     out_of_cpu_time = options.cpu_time_s > 0.0 && cpu_s >= options.cpu_time_s;
     return !out_of_cpu_time;
   });

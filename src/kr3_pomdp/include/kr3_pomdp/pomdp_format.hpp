@@ -4,6 +4,7 @@
 #include <string>
 
 #include "kr3_pomdp/model.hpp"
+#include "kr3_pomdp/read_options.hpp"
 
 namespace kr3::pomdp
 {
@@ -13,8 +14,10 @@ namespace kr3::pomdp
 /// @param name  of the input, for messages
 /// @throws InvalidArgument  malformed; the message begins `name:line:column:` and says what was
 ///                          found and what was expected
+/// @throws ResourceExhausted  larger than the options allow; Cancelled  they said no
 /// Source: A. R. Cassandra, "POMDP file format", pomdp.org.
-[[nodiscard]] Model readPomdp(std::istream& in, const std::string& name);
+[[nodiscard]] Model readPomdp(std::istream& in, const std::string& name,
+                              const ReadOptions& options = {});
 
 /// @throws Unavailable      the file cannot be opened or read
 /// @throws InvalidArgument  as above

@@ -22,8 +22,8 @@ struct SolverLimits
 
 struct SolverProgress
 {
-  double lower;  ///< at the initial belief; never falls
-  double upper;  ///< at the initial belief; never rises
+  double lower;  ///< at the initial belief; never falls; -infinity before there is a bound
+  double upper;  ///< at the initial belief; never rises; infinity before there is a bound
   std::uint64_t backups;
   std::size_t num_alpha_vectors;
   double elapsed_s;
