@@ -1,0 +1,1 @@
+"""POMDP benchmark problems built from formulas, and written as `.pomdp` and `.pomdpx`."""
