@@ -31,8 +31,8 @@ double worthwhile(double value)
 }  // namespace
 
 BeliefGraph::BeliefGraph(const ObservedModel& model, const InformedVectors& informed,
-                         const InformedVectors& blind)
-  : model_(&model), informed_(&informed)
+                         const InformedVectors& blind, UpperBoundSource* source)
+  : model_(&model), informed_(&informed), source_(source)
 {
   for (std::size_t c = 0; c < model.classes().size(); ++c)
   {
@@ -72,8 +72,9 @@ std::size_t BeliefGraph::sizeInBytes() const
 {
   // A node of the index holds the next one, its key and its value.
   constexpr std::size_t kIndexEntry = sizeof(void*) + 2 * sizeof(std::uint64_t);
-  std::size_t bytes = expansion_bytes_ + storage_bytes_ + nodes_.size() * sizeof(Node) +
-                      index_.size() * kIndexEntry + index_.bucket_count() * sizeof(void*);
+  std::size_t bytes = (source_ == nullptr ? 0 : source_->sizeInBytes()) + expansion_bytes_ +
+                      storage_bytes_ + nodes_.size() * sizeof(Node) + index_.size() * kIndexEntry +
+                      index_.bucket_count() * sizeof(void*);
   for (std::size_t c = 0; c < vectors_.size(); ++c)
   {
     bytes += vectors_[c].sizeInBytes() + points_[c].sizeInBytes();
@@ -152,6 +153,11 @@ double BeliefGraph::lower(NodeId node)
 double BeliefGraph::upper(NodeId id)
 {
   Node& node = nodes_[id];
+  if (source_ != nullptr && node.source_version != source_->version())
+  {
+    node.upper = std::min(node.upper, source_->upper(node.state_class, node.belief));
+    node.source_version = source_->version();
+  }
   const SawtoothSet& set = points_[node.state_class];
   if (node.points_seen != set.end())
   {

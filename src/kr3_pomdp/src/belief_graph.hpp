@@ -8,6 +8,7 @@
 
 #include "informed_bound.hpp"
 #include "observed_model.hpp"
+#include "upper_bound_source.hpp"
 #include "vector_set.hpp"
 
 namespace kr3::pomdp
@@ -41,8 +42,9 @@ struct NodeAction
 class BeliefGraph
 {
 public:
+  /// @param source  more upper bounds, or null; it and all others outlive this object
   BeliefGraph(const ObservedModel& model, const InformedVectors& informed,
-              const InformedVectors& blind);
+              const InformedVectors& blind, UpperBoundSource* source = nullptr);
 
   /// The nodes of the model's starts, in their order.
   [[nodiscard]] const std::vector<NodeId>& roots() const { return roots_; }
@@ -50,6 +52,7 @@ public:
   [[nodiscard]] std::size_t numVectors() const;
   [[nodiscard]] const std::vector<VectorSet>& vectors() const { return vectors_; }
   [[nodiscard]] const ObservedModel& model() const { return *model_; }
+  [[nodiscard]] UpperBoundSource* source() const { return source_; }
   /// Memory held: nodes, outcomes, beliefs and their index, vectors, points.
   [[nodiscard]] std::size_t sizeInBytes() const;
 
@@ -95,6 +98,7 @@ private:
     std::uint32_t points_seen = 0;
     std::uint32_t point = 0;      // index + 1 of its own point; 0 = none
     std::uint32_t expansion = 0;  // index + 1; 0 = not expanded
+    std::uint32_t source_version = 0;
     double lower;
     double upper;
     const double* belief;  // padded, in `storage_`
@@ -109,6 +113,7 @@ private:
 
   const ObservedModel* model_;       // outlives this object
   const InformedVectors* informed_;  // outlives this object
+  UpperBoundSource* source_;         // null = none
   std::vector<VectorSet> vectors_;   // shape [classes]
   std::vector<SawtoothSet> points_;  // shape [classes]
   std::deque<Node> nodes_;

@@ -143,7 +143,6 @@ Model::Model(ModelParts parts)
   checkShape("an initial belief", initial_belief_.size(), numStates());
   checkShape("rewards", rewards_.size(), num_rows);
   checkShape("T", transitions_.numRows(), num_rows);
-  checkShape("O", observation_rows_.numRows(), num_rows);
   if (!initial_labels_.empty())
   {
     checkShape("initial labels", initial_labels_.size(), numStates());
@@ -156,10 +155,7 @@ Model::Model(ModelParts parts)
     return "T(. | state '" + stateName(i % numStates()) + "', action '" +
            actionName(i / numStates()) + "')";
   });
-  checkRows(observation_rows_, numObservations(), [this](std::size_t i) {
-    return "O(. | action '" + actionName(i / numStates()) + "', next state '" +
-           stateName(i % numStates()) + "')";
-  });
+  checkObservations();
   for (std::size_t i = 0; i < rewards_.size(); ++i)
   {
     if (!std::isfinite(rewards_[i]))
@@ -168,6 +164,15 @@ Model::Model(ModelParts parts)
                             stateName(i % numStates()) + "') is not finite");
     }
   }
+}
+
+void Model::checkObservations() const
+{
+  checkShape("O", observation_rows_.numRows(), numActions() * numStates());
+  checkRows(observation_rows_, numObservations(), [this](std::size_t i) {
+    return "O(. | action '" + actionName(i / numStates()) + "', next state '" +
+           stateName(i % numStates()) + "')";
+  });
 }
 
 std::vector<InitialOutcome> Model::initialOutcomes() const
@@ -224,6 +229,15 @@ Model Model::withInitialBelief(Belief belief) const
   Model copy = *this;
   copy.initial_belief_ = std::move(belief);
   copy.initial_labels_.clear();
+  return copy;
+}
+
+Model Model::withObservations(std::vector<std::string> names, SharedRows rows) const
+{
+  Model copy = *this;
+  copy.observations_ = NameTable("observation", std::move(names));
+  copy.observation_rows_ = std::move(rows);
+  copy.checkObservations();
   return copy;
 }
 

@@ -11,6 +11,7 @@ namespace
 constexpr std::size_t kMaxDepth = 2000;
 constexpr double kTrialTarget = 0.5;   // of the root's gap
 constexpr double kSampledShare = 0.5;  // of the trials
+constexpr double kSourceShare = 0.5;   // pieces of work on the graph's source for each backup
 constexpr double kOptimistic = 0.25;   // probability
 constexpr double kExploration = 0.1;   // probability
 constexpr double kLeastWeight = 0.05;  // discount at which a trial ends
@@ -49,11 +50,25 @@ double Search::upper()
   return expected([this](NodeId root) { return graph_->upper(root); });
 }
 
+bool Search::isSourceDue() const
+{
+  const UpperBoundSource* source = graph_->source();
+  return source != nullptr && !source->finished() &&
+         static_cast<double>(source_work_) <
+             kSourceShare * static_cast<double>(supervisor_->backups());
+}
+
 void Search::run()
 {
   double sampled_due = 0.0;
   while (mayGoOn())
   {
+    if (isSourceDue())
+    {
+      graph_->source()->advance();
+      ++source_work_;
+      continue;
+    }
     sampled_due += kSampledShare;
     if (sampled_due >= 1.0)
     {

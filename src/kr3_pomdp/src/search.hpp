@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <random>
 #include <vector>
 
@@ -32,6 +33,7 @@ public:
 
 private:
   bool mayGoOn();
+  bool isSourceDue() const;
   template <typename ValueOf>
   double expected(const ValueOf& value_of);
   NodeId widestRoot();
@@ -47,7 +49,8 @@ private:
   double precision_;
   Supervisor* supervisor_;
   std::vector<NodeId> path_;
-  std::mt19937_64 random_{1};  // fixed, so that a run repeats
+  std::uint64_t source_work_ = 0;  // pieces
+  std::mt19937_64 random_{1};      // fixed, so that a run repeats
 };
 
 }  // namespace kr3::pomdp

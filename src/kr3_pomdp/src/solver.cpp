@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <string>
 
 #include <kr3_common/error.hpp>
 
 #include "belief_graph.hpp"
+#include "exclusion_bound.hpp"
 #include "search.hpp"
 #include "supervisor.hpp"
 
@@ -131,7 +133,8 @@ SolveResult solve(const Model& model, const SolverLimits& limits,
   const auto in_time = [&supervisor] { return supervisor.mayPrepare(); };
   const InformedVectors informed = informedBound(observed, in_time);
   const InformedVectors blind = blindBound(observed, in_time);
-  BeliefGraph graph(observed, informed, blind);
+  const std::unique_ptr<UpperBoundSource> source = ExclusionBound::make(observed, informed);
+  BeliefGraph graph(observed, informed, blind, source.get());
   Search search(graph, limits.precision, supervisor);
   search.run();
   Policy policy = policyOf(graph);

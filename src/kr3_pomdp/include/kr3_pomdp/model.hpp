@@ -192,7 +192,15 @@ public:
   /// @throws InvalidArgument  belief of another size
   [[nodiscard]] Model withInitialBelief(Belief belief) const;
 
+  /// The same model with other sensors.
+  /// @param rows  row: action * num_states + next state
+  /// @throws InvalidArgument  a name, shape or row is wrong; the message names it
+  [[nodiscard]] Model withObservations(std::vector<std::string> names, SharedRows rows) const;
+
 private:
+  /// @throws InvalidArgument  O has another shape, or a row that does not sum to 1
+  void checkObservations() const;
+
   NameTable states_;
   NameTable actions_;
   NameTable observations_;
