@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measure a part of KR3 against its goals: bench.sh reasoner [--quick] [--json FILE]
+# Measure a part of KR3 against its goals: bench.sh {reasoner | pomdp} [--quick] [--json FILE]
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -15,7 +15,12 @@ case "$part" in
     exec /usr/bin/python3 -B "$root/src/kr3_reasoner/bench/bench_reasoner.py" \
       --binary "$workspace/devel/lib/kr3_reasoner/reasoner_bench" "$@"
     ;;
+  pomdp)
+    case " $* " in *" --help "* | *" -h "*) ;; *) build_workspace ;; esac
+    enter_workspace
+    exec /usr/bin/python3 -B "$root/src/kr3_pomdp/bench/bench_pomdp.py" --programs "$workspace/devel/lib/kr3_pomdp" "$@"
+    ;;
   *)
-    fail "unknown benchmark '$part', expected: reasoner"
+    fail "unknown benchmark '$part', expected: reasoner or pomdp"
     ;;
 esac

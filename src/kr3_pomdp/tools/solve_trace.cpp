@@ -4,8 +4,7 @@
 #include <ctime>
 #include <iomanip>
 #include <limits>
-
-#include <sys/resource.h>
+#include <string>
 
 #include <kr3_common/error.hpp>
 
@@ -18,12 +17,19 @@ namespace
 constexpr double kGrowth = 1.02;
 constexpr double kLeastStepS = 0.002;
 
-/// Greatest resident memory of this process so far.
+/// Greatest resident memory of this program so far; 0 where the system does not tell. (getrusage
+/// also counts what the process held before it became this program.)
 std::size_t peakBytes()
 {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+  {
+    if (line.rfind("VmHWM:", 0) == 0)
+    {
+      return std::stoull(line.substr(6)) * 1024;
+    }
+  }
+  return 0;
 }
 
 }  // namespace
@@ -46,7 +52,7 @@ SolveTrace::SolveTrace(const std::string& path, const Model& model, double load_
   out_ << std::setprecision(std::numeric_limits<double>::max_digits10)
        << "{\"states\": " << model.numStates() << ", \"actions\": " << model.numActions()
        << ", \"observations\": " << model.numObservations() << ", \"load_cpu_s\": " << load_cpu_s
-       << ", \"load_peak_bytes\": " << peakBytes() << "}\n";
+       << ", \"load_peak_bytes\": " << peakBytes() << "}" << std::endl;  // read while it solves
   if (!out_)
   {
     throw Unavailable("cannot write '" + path + "'");

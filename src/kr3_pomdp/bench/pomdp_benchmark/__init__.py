@@ -1,0 +1,1 @@
+"""Measurements of the POMDP solver against its goals, and beside a peer."""
