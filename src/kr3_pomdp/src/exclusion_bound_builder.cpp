@@ -108,7 +108,8 @@ private:
     for (std::uint32_t c = 0; c < clean_.classes().size(); ++c)
     {
       const StateClass& state_class = clean_.classes()[c];
-      const bool ended = state_class.states.size() == 1 || isSink(state_class, c);
+      const bool ended =
+          state_class.states.size() == 1 || state_class.start_only || isSink(state_class, c);
       number_.push_back(ended ? kEnded : count++);
       if (!ended && state_class.states.size() > kMaxFineValues)
       {

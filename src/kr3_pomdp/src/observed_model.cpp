@@ -73,20 +73,54 @@ std::vector<std::uint32_t> reachableStates(const Model& model)
   return open;
 }
 
-/// Merges until every class, action and observation leads into one class.
-UnionFind partition(const Model& model, const std::vector<std::uint32_t>& states)
+/// The states that the robot may start in, by what it sees before its first action.
+std::vector<std::vector<std::uint32_t>> startSupports(const Model& model)
 {
-  UnionFind classes(model.numStates());
-  std::map<std::uint32_t, std::uint32_t> first;  // by what is seen at the start
-  for (const std::uint32_t s : states)
+  std::vector<std::vector<std::uint32_t>> supports;
+  for (const InitialOutcome& outcome : model.initialOutcomes())
   {
-    if (model.initialBelief()[s] > 0.0)
+    supports.emplace_back();
+    for (std::uint32_t s = 0; s < model.numStates(); ++s)
     {
-      const std::uint32_t label = model.initialLabels().empty() ? 0 : model.initialLabels()[s];
-      classes.unite(first.emplace(label, s).first->second, s);
+      if (outcome.belief[s] > 0.0)
+      {
+        supports.back().push_back(s);
+      }
     }
   }
+  return supports;
+}
+
+/// Merges until every class, action and observation leads into one class, and so does every start.
+UnionFind partition(const Model& model, const std::vector<std::uint32_t>& states,
+                    const std::vector<std::vector<std::uint32_t>>& starts)
+{
+  UnionFind classes(model.numStates());
   std::vector<std::uint32_t> leads_to(model.numStates() * model.numObservations());
+  const auto unite = [&](std::size_t action, std::uint32_t from, std::size_t row) {
+    bool changed = false;
+    for (const SparseEntry& next : model.transitions(action, from))
+    {
+      for (const SparseEntry& seen : model.observations(action, next.index))
+      {
+        std::uint32_t& target = leads_to[row * model.numObservations() + seen.index];
+        target = target == kNone ? next.index : target;
+        changed = classes.unite(target, next.index) || changed;
+      }
+    }
+    return changed;
+  };
+  for (const std::vector<std::uint32_t>& start : starts)
+  {
+    for (std::size_t a = 0; a < model.numActions(); ++a)
+    {
+      std::fill_n(leads_to.begin(), model.numObservations(), kNone);
+      for (const std::uint32_t s : start)
+      {
+        unite(a, s, 0);
+      }
+    }
+  }
   for (bool changed = true; changed;)
   {
     changed = false;
@@ -95,20 +129,28 @@ UnionFind partition(const Model& model, const std::vector<std::uint32_t>& states
       std::fill(leads_to.begin(), leads_to.end(), kNone);
       for (const std::uint32_t s : states)
       {
-        const std::size_t row = classes.find(s) * model.numObservations();
-        for (const SparseEntry& next : model.transitions(a, s))
-        {
-          for (const SparseEntry& seen : model.observations(a, next.index))
-          {
-            std::uint32_t& target = leads_to[row + seen.index];
-            target = target == kNone ? next.index : target;
-            changed = classes.unite(target, next.index) || changed;
-          }
-        }
+        changed = unite(a, s, classes.find(s)) || changed;
       }
     }
   }
   return classes;
+}
+
+/// States that some action leads to.
+std::vector<bool> enteredStates(const Model& model, const std::vector<std::uint32_t>& states)
+{
+  std::vector<bool> entered(model.numStates(), false);
+  for (std::size_t a = 0; a < model.numActions(); ++a)
+  {
+    for (const std::uint32_t s : states)
+    {
+      for (const SparseEntry& next : model.transitions(a, s))
+      {
+        entered[next.index] = true;
+      }
+    }
+  }
+  return entered;
 }
 
 }  // namespace
@@ -116,11 +158,30 @@ UnionFind partition(const Model& model, const std::vector<std::uint32_t>& states
 ObservedModel::ObservedModel(const Model& model) : model_(&model)
 {
   const std::vector<std::uint32_t> states = reachableStates(model);
-  UnionFind unions = partition(model, states);
+  const std::vector<std::vector<std::uint32_t>> supports = startSupports(model);
+  UnionFind unions = partition(model, states, supports);
+  std::vector<bool> needed = enteredStates(model, states);
+  const auto inOneClass = [&unions](const std::vector<std::uint32_t>& support) {
+    return std::all_of(support.begin(), support.end(), [&](std::uint32_t s) {
+      return unions.find(s) == unions.find(support.front());
+    });
+  };
+  for (const std::vector<std::uint32_t>& support : supports)
+  {
+    for (const std::uint32_t s : support)
+    {
+      needed[s] = needed[s] || inOneClass(support);
+    }
+  }
   std::vector<std::uint32_t> class_of(model.numStates(), kNone);
   std::vector<std::uint32_t> local_of(model.numStates(), 0);
   std::vector<std::uint32_t> class_of_root(model.numStates(), kNone);
-  const auto place = [&](std::uint32_t s) {
+  for (const std::uint32_t s : states)
+  {
+    if (!needed[s])
+    {
+      continue;
+    }
     std::uint32_t& index = class_of_root[unions.find(s)];
     if (index == kNone)
     {
@@ -130,19 +191,20 @@ ObservedModel::ObservedModel(const Model& model) : model_(&model)
     class_of[s] = index;
     local_of[s] = static_cast<std::uint32_t>(classes_[index].states.size());
     classes_[index].states.push_back(s);
-  };
-  std::for_each(states.begin(), states.end(), place);
-  for (const InitialOutcome& outcome : model.initialOutcomes())
+  }
+  const std::vector<InitialOutcome> outcomes = model.initialOutcomes();
+  for (std::size_t i = 0; i < supports.size(); ++i)
   {
-    std::uint32_t state_class = kNone;
-    for (const std::uint32_t s : states)
+    std::uint32_t state_class = class_of[supports[i].front()];
+    if (!inOneClass(supports[i]))
     {
-      state_class = outcome.belief[s] > 0.0 ? class_of[s] : state_class;
+      state_class = static_cast<std::uint32_t>(classes_.size());
+      classes_.push_back({supports[i], {}, true});
     }
-    ObservedStart start{outcome.probability, state_class, {}};
+    ObservedStart start{outcomes[i].probability, state_class, {}};
     for (const std::uint32_t s : classes_[state_class].states)
     {
-      start.belief.push_back(outcome.belief[s]);
+      start.belief.push_back(outcomes[i].belief[s]);
     }
     starts_.push_back(std::move(start));
   }

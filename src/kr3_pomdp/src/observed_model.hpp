@@ -29,6 +29,9 @@ struct StateClass
 {
   std::vector<std::uint32_t> states;  ///< ascending
   std::vector<ClassAction> actions;   ///< shape [num_actions]
+  /// What the robot may not tell apart at the start only; nothing leads here. Its states may be in
+  /// other classes too, which they are when the robot comes there later.
+  bool start_only = false;
 };
 
 /// A belief that the robot may start with, in one class.
@@ -41,7 +44,8 @@ struct ObservedStart
 
 /// A model as seen from its initial belief: states that cannot be reached are left out, and the
 /// others fall into the finest classes that the robot can always tell apart (its own cell, say). So
-/// what is fully observed is found without being declared, and beliefs and vectors get short.
+/// what is fully observed is found without being declared, and beliefs and vectors get short. A
+/// start that the robot knows less about (it may be in any cell) is a class of its own.
 ///
 /// Source: the idea of mixed observability, Ong, Png, Hsu and Lee (2010).
 class ObservedModel
