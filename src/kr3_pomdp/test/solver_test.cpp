@@ -13,40 +13,12 @@
 #include "kr3_pomdp/model_builder.hpp"
 #include "kr3_pomdp/simulation.hpp"
 #include "support/models.hpp"
+#include "support/oracles.hpp"
 
 namespace kr3::pomdp
 {
 namespace
 {
-
-/// Value of the best plan over `horizon` steps, by trying all.
-double exactValue(const Model& model, const Belief& belief, int horizon)
-{
-  if (horizon == 0)
-  {
-    return 0.0;
-  }
-  double best = -std::numeric_limits<double>::infinity();
-  for (std::size_t a = 0; a < model.numActions(); ++a)
-  {
-    double value = 0.0;
-    for (std::size_t s = 0; s < model.numStates(); ++s)
-    {
-      value += belief[s] * model.reward(a, s);
-    }
-    const std::vector<double> chances = observationProbabilities(model, belief, a);
-    for (std::size_t o = 0; o < chances.size(); ++o)
-    {
-      if (chances[o] > 0.0)
-      {
-        value += model.discount() * chances[o] *
-                 exactValue(model, updated(model, belief, a, o).posterior, horizon - 1);
-      }
-    }
-    best = std::max(best, value);
-  }
-  return best;
-}
 
 SolverLimits backups(std::uint64_t count, double precision = 0.0)
 {
@@ -84,7 +56,7 @@ TEST(Solver, BoundsHoldTheExactValueOfRandomModels)
   for (std::uint64_t seed = 1; seed <= 25; ++seed)
   {
     const Model model = test::randomModel({3, 2, 2, 0.5}, seed);
-    const double exact = exactValue(model, model.initialBelief(), kHorizon);
+    const double exact = test::bestValueOver(model, model.initialBelief(), kHorizon);
     const double rest = std::pow(model.discount(), kHorizon) / (1.0 - model.discount());
     for (const std::uint64_t count : {1U, 5U, 2000U})
     {

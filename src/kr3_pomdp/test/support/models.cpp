@@ -1,6 +1,5 @@
 #include "models.hpp"
 
-#include <random>
 #include <string>
 #include <vector>
 
@@ -107,60 +106,6 @@ Model roomSearch(std::size_t width)
       builder.setTransition(grasp, s, done, here ? 0.9 : 0.0);
       builder.setReward(grasp, s, s, kAny, here ? -4.0 : -12.0);
       builder.setReward(grasp, s, done, kAny, 100.0);
-    }
-  }
-  return builder.build();
-}
-
-Model randomModel(const RandomShape& shape, std::uint64_t seed)
-{
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  const auto names = [](const std::string& prefix, std::size_t count) {
-    std::vector<std::string> result;
-    for (std::size_t i = 0; i < count; ++i)
-    {
-      result.push_back(prefix + std::to_string(i));
-    }
-    return result;
-  };
-  const auto distribution = [&](std::size_t size) {
-    std::vector<double> result(size);
-    double sum = 0.0;
-    for (double& p : result)
-    {
-      p = uniform(random) < 0.3 ? 0.0 : uniform(random);
-      sum += p;
-    }
-    if (sum == 0.0)
-    {
-      result.front() = sum = 1.0;
-    }
-    for (double& p : result)
-    {
-      p /= sum;
-    }
-    return result;
-  };
-  ModelBuilder builder(names("s", shape.num_states), names("a", shape.num_actions),
-                       names("o", shape.num_observations));
-  builder.setDiscount(shape.discount);
-  builder.setInitialBelief(distribution(shape.num_states));
-  for (std::size_t a = 0; a < shape.num_actions; ++a)
-  {
-    for (std::size_t s = 0; s < shape.num_states; ++s)
-    {
-      const std::vector<double> next = distribution(shape.num_states);
-      for (std::size_t i = 0; i < next.size(); ++i)
-      {
-        builder.setTransition(a, s, i, next[i]);
-      }
-      const std::vector<double> seen = distribution(shape.num_observations);
-      for (std::size_t i = 0; i < seen.size(); ++i)
-      {
-        builder.setObservation(a, s, i, seen[i]);
-      }
-      builder.setReward(a, s, 2.0 * uniform(random) - 1.0);
     }
   }
   return builder.build();

@@ -1,0 +1,227 @@
+#include <algorithm>
+#include <sstream>
+#include <utility>
+
+#include "kr3_pomdp/model_builder.hpp"
+#include "models.hpp"
+
+namespace kr3::pomdp::test
+{
+
+namespace
+{
+
+std::vector<std::string> names(const std::string& prefix, std::size_t count)
+{
+  std::vector<std::string> result;
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    result.push_back(prefix + std::to_string(i));
+  }
+  return result;
+}
+
+/// Draws the numbers of a model.
+class Draw
+{
+public:
+  explicit Draw(std::uint64_t seed) : random_(seed) {}
+
+  double uniform() { return uniform_(random_); }
+  double between(double least, double greatest) { return least + (greatest - least) * uniform(); }
+
+  /// Over the entries `first`, `first + stride`, ... of `size`.
+  std::vector<double> distribution(std::size_t size, double zeros, std::size_t first = 0,
+                                   std::size_t stride = 1)
+  {
+    std::vector<double> result(size, 0.0);
+    double sum = 0.0;
+    for (std::size_t i = first; i < size; i += stride)
+    {
+      result[i] = uniform() < zeros ? 0.0 : uniform();
+      sum += result[i];
+    }
+    if (sum == 0.0)
+    {
+      result[first] = sum = 1.0;
+    }
+    for (double& p : result)
+    {
+      p /= sum;
+    }
+    return result;
+  }
+
+private:
+  std::mt19937_64 random_;
+  std::uniform_real_distribution<double> uniform_{0.0, 1.0};
+};
+
+void setRows(ModelBuilder& builder, const RandomShape& shape, std::size_t a, std::size_t s,
+             Draw& draw)
+{
+  std::vector<double> next = draw.distribution(shape.num_states, shape.zeros);
+  if (shape.deterministic)
+  {
+    const auto top = std::max_element(next.begin(), next.end());
+    std::fill(next.begin(), top, 0.0);
+    std::fill(top + 1, next.end(), 0.0);
+    *top = 1.0;
+  }
+  if (shape.absorbing && s + 1 == shape.num_states)
+  {
+    next.assign(shape.num_states, 0.0);
+    next.back() = 1.0;
+  }
+  for (std::size_t i = 0; i < next.size(); ++i)
+  {
+    builder.setTransition(a, s, i, next[i]);
+  }
+  const std::vector<double> seen = draw.distribution(shape.num_observations, shape.zeros,
+                                                     s % shape.num_classes, shape.num_classes);
+  for (std::size_t i = 0; i < seen.size(); ++i)
+  {
+    builder.setObservation(a, s, i, seen[i]);
+  }
+}
+
+void setRewards(ModelBuilder& builder, const RandomShape& shape, std::size_t a, std::size_t s,
+                Draw& draw)
+{
+  const auto reward = [&] { return draw.between(shape.least_reward, shape.greatest_reward); };
+  if (shape.absorbing && s + 1 == shape.num_states)
+  {
+    return;
+  }
+  builder.setReward(a, s, reward());
+  if (shape.outcome_rewards)
+  {
+    for (std::size_t next = 0; next < shape.num_states; ++next)
+    {
+      for (std::size_t o = 0; o < shape.num_observations; ++o)
+      {
+        builder.setReward(a, s, next, o, reward());
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Model randomModel(const RandomShape& shape, std::uint64_t seed)
+{
+  Draw draw(seed);
+  ModelBuilder builder(names("s", shape.num_states), names("a", shape.num_actions),
+                       names("o", shape.num_observations));
+  builder.setDiscount(shape.discount);
+  builder.setInitialBelief(draw.distribution(shape.num_states, shape.zeros));
+  for (std::size_t a = 0; a < shape.num_actions; ++a)
+  {
+    for (std::size_t s = 0; s < shape.num_states; ++s)
+    {
+      setRows(builder, shape, a, s, draw);
+      setRewards(builder, shape, a, s, draw);
+    }
+  }
+  Model model = builder.build();
+  if (!shape.labelled)
+  {
+    return model;
+  }
+  std::vector<std::uint32_t> labels;
+  for (std::uint32_t s = 0; s < shape.num_states; ++s)
+  {
+    labels.push_back(s % 2);
+  }
+  return withLabels(model, std::move(labels));
+}
+
+RandomShape randomShape(std::uint64_t seed)
+{
+  std::mt19937_64 random(seed * 7919 + 1);
+  const auto among = [&random](std::uint64_t count) { return random() % count; };
+  RandomShape shape;
+  shape.num_states = 2 + among(4);
+  shape.num_actions = 2 + among(3);
+  shape.num_classes = among(3) == 0 ? 2 : 1;
+  shape.num_observations = shape.num_classes * (1 + among(3));
+  shape.discount = 0.5 + 0.1 * static_cast<double>(among(5));
+  shape.zeros = among(2) == 0 ? 0.3 : 0.75;
+  shape.deterministic = among(4) == 0;
+  shape.absorbing = among(4) == 0;
+  shape.labelled = among(4) == 0;
+  shape.outcome_rewards = among(4) == 0;
+  const std::uint64_t range = among(4);
+  shape.least_reward = range == 0 ? -100.0 : range == 1 ? 5.0 : -1.0;
+  shape.greatest_reward = range == 0 ? -10.0 : range == 1 ? 6.0 : 1.0;
+  return shape;
+}
+
+std::string toString(const RandomShape& shape)
+{
+  std::ostringstream out;
+  out << shape.num_states << " states, " << shape.num_actions << " actions, "
+      << shape.num_observations << " observations, discount " << shape.discount << ", zeros "
+      << shape.zeros << (shape.deterministic ? ", deterministic" : "") << ", " << shape.num_classes
+      << " classes" << (shape.absorbing ? ", absorbing" : "")
+      << (shape.labelled ? ", labelled" : "")
+      << (shape.outcome_rewards ? ", rewards of outcomes" : "") << ", rewards ["
+      << shape.least_reward << ", " << shape.greatest_reward << "]";
+  return out.str();
+}
+
+Belief randomBelief(std::size_t num_states, std::mt19937_64& random)
+{
+  std::vector<double> result(num_states);
+  double sum = 0.0;
+  const std::uint64_t sparsity = random() % 3;
+  for (double& p : result)
+  {
+    p = random() % 4 < sparsity ? 0.0 : static_cast<double>(random() >> 11) * 0x1.0p-53;
+    sum += p;
+  }
+  if (sum == 0.0)
+  {
+    result.back() = sum = 1.0;
+  }
+  for (double& p : result)
+  {
+    p /= sum;
+  }
+  return Belief(std::move(result));
+}
+
+Model withLabels(const Model& model, std::vector<std::uint32_t> labels)
+{
+  ModelParts parts;
+  SharedRowsBuilder transitions;
+  SharedRowsBuilder observations;
+  for (std::size_t a = 0; a < model.numActions(); ++a)
+  {
+    parts.actions.push_back(model.actionName(a));
+    for (std::size_t s = 0; s < model.numStates(); ++s)
+    {
+      const SparseRow next = model.transitions(a, s);
+      const SparseRow seen = model.observations(a, s);
+      transitions.append({next.begin(), next.end()});
+      observations.append({seen.begin(), seen.end()});
+      parts.rewards.push_back(model.reward(a, s));
+    }
+  }
+  for (std::size_t s = 0; s < model.numStates(); ++s)
+  {
+    parts.states.push_back(model.stateName(s));
+  }
+  for (std::size_t o = 0; o < model.numObservations(); ++o)
+  {
+    parts.observations.push_back(model.observationName(o));
+  }
+  parts.discount = model.discount();
+  parts.initial_belief = model.initialBelief().probabilities();
+  parts.initial_labels = std::move(labels);
+  parts.transitions = transitions.take();
+  parts.observation_rows = observations.take();
+  return Model(std::move(parts));
+}
+
+}  // namespace kr3::pomdp::test
