@@ -49,7 +49,7 @@ class Session:
     def known(self) -> list[str]:
         """The problems of the goals that can be had here."""
         names = [*REFERENCES, *(room_file(cells) for cells in ROOMS)]
-        return [name for name in names if self._source(name) is not None]
+        return [name for name in names if name in PROBLEMS or self._published(name)]
 
     def file(self, problem: str) -> pathlib.Path:
         """The model file of a problem: its name, with or without ending, or a path.
@@ -77,10 +77,12 @@ class Session:
                 writer.write(PROBLEMS[name].build(), out)
         return path
 
+    def _published(self, name: str) -> pathlib.Path | None:
+        path = self.data / name if self.data is not None else None
+        return path if path is not None and path.is_file() else None
+
     def _source(self, name: str) -> pathlib.Path | None:
-        if self.data is not None and (self.data / name).is_file():
-            return self.data / name
-        return self.generated(name) if name in PROBLEMS else None
+        return self._published(name) or (self.generated(name) if name in PROBLEMS else None)
 
 
 def room_file(cells: int) -> str:
