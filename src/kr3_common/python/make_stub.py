@@ -17,7 +17,8 @@ HEADER = '''"""{doc}"""
 
 {imports}
 '''
-MODULES = ("datetime", "numpy")
+MODULES = ("datetime", "numpy.typing")
+SPECIAL = ("__len__", "__getitem__")
 TYPING = ("Any", "Callable", "ClassVar", "Iterable", "Iterator", "Optional", "Union", "overload")
 SIGNATURE = re.compile(r"^(?:\d+\. )?(\w+)\((.*)\) -> (.+)$")
 
@@ -25,15 +26,17 @@ SIGNATURE = re.compile(r"^(?:\d+\. )?(\w+)\((.*)\) -> (.+)$")
 def plain(annotation):
     """A type as pybind11 writes it, as Python writes it today."""
     text = re.sub(r"\bkr3_\w+\.", "", annotation)
-    for old, new in (
-        ("List[", "list["),
-        ("Dict[", "dict["),
-        ("Tuple[", "tuple["),
-        ("numpy.ndarray[numpy.", "numpy.ndarray[Any, numpy."),
-    ):
+    for old, new in (("List[", "list["), ("Dict[", "dict["), ("Tuple[", "tuple[")):
         text = text.replace(old, new)
-    text = re.sub(r"(ndarray\[Any, )(numpy\.\w+)\]", r"\1numpy.dtype[\2]]", text)
+    text = re.sub(r"numpy\.ndarray\[(numpy\.\w+)\]", r"numpy.typing.NDArray[\1]", text)
     return re.sub(r"(?<![.\w])(object|handle)\b", "Any", text)
+
+
+def accepted(annotation):
+    """The type of an argument: pybind11 makes arrays of what numpy can make arrays of."""
+    return re.sub(
+        r"numpy\.typing\.NDArray\[numpy\.\w+\]", "numpy.typing.ArrayLike", plain(annotation)
+    )
 
 
 def split_arguments(text):
@@ -56,8 +59,10 @@ def argument(text):
     if name == "self":
         return "self"
     kept = default if re.fullmatch(r"-?[\d.]+|True|False|None|'\w*'|\{\}", default) else "..."
-    optional = f"Optional[{plain(annotation)}]" if default == "None" else plain(annotation)
-    return f"{name}: {optional}" + (f" = {kept}" if default else "")
+    kind = accepted(annotation)
+    if default == "None" and not kind.startswith("Optional["):
+        kind = f"Optional[{kind}]"
+    return f"{name}: {kind}" + (f" = {kept}" if default else "")
 
 
 def documented(lines, documentation):
@@ -114,8 +119,10 @@ def members(item):
     for name, member in vars(item).items():
         if name == "__init__" and SIGNATURE.match((inspect.getdoc(member) or "").split("\n")[0]):
             lines += functions(name, member)
-        elif name.startswith("_"):
+        elif name.startswith("_") and name not in SPECIAL:
             continue
+        elif isinstance(member, staticmethod):
+            lines += ["@staticmethod", *functions(name, member.__func__)]
         elif isinstance(member, property):
             lines += attribute(name, member)
         elif callable(member):

@@ -22,7 +22,9 @@ def maker():
 
 def test_the_stub_is_the_module():
     made = maker().stub(kr3)
-    assert STUB.read_text("utf-8") == made, "make it again: kr3_common/python/make_stub.py kr3_reasoner"
+    assert (
+        STUB.read_text("utf-8") == made
+    ), "make it again: kr3_common/python/make_stub.py kr3_reasoner"
 
 
 def test_the_stub_has_every_public_name_and_parses():
