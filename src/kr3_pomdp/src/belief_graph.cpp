@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace kr3::pomdp
 {
@@ -11,15 +12,31 @@ namespace
 {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr NodeId kNoNode = std::numeric_limits<NodeId>::max();
 /// Beliefs nearer than this are one node: they differ by rounding only.
 constexpr double kSameBelief = 0x1p-40;
-constexpr std::size_t kBlock = 1U << 15;
 
 std::uint64_t mix(std::uint64_t hash, std::uint64_t value)
 {
   hash ^= value + 0x9e3779b97f4a7c15ULL + (hash << 6) + (hash >> 2);
-  return hash * 0xff51afd7ed558ccdULL;
+  hash *= 0xff51afd7ed558ccdULL;
+  return hash ^ (hash >> 32U);
+}
+
+std::uint64_t hashOf(std::uint32_t state_class, const PackedBelief& belief)
+{
+  std::uint64_t hash = state_class;
+  for (std::size_t i = 0; i < belief.num_blocks * kLanes; ++i)
+  {
+    hash = mix(hash, static_cast<std::uint64_t>(belief.values[i] / kSameBelief + 0.5));
+  }
+  return hash;
+}
+
+bool same(const PackedBelief& a, const PackedBelief& b)
+{
+  return a.num_blocks == b.num_blocks && std::equal(a.blocks, a.blocks + a.num_blocks, b.blocks) &&
+         std::equal(a.values, a.values + a.num_blocks * kLanes, b.values,
+                    [](double p, double q) { return std::abs(p - q) <= 2.0 * kSameBelief; });
 }
 
 /// Smallest improvement worth a new vector or point.
@@ -30,9 +47,9 @@ double worthwhile(double value)
 
 }  // namespace
 
-BeliefGraph::BeliefGraph(const ObservedModel& model, const InformedVectors& informed,
+BeliefGraph::BeliefGraph(const ObservedModel& model, InformedVectors informed,
                          const InformedVectors& blind, UpperBoundSource* source)
-  : model_(&model), informed_(&informed), source_(source)
+  : model_(&model), informed_(std::move(informed)), source_(source)
 {
   for (std::size_t c = 0; c < model.classes().size(); ++c)
   {
@@ -42,102 +59,179 @@ BeliefGraph::BeliefGraph(const ObservedModel& model, const InformedVectors& info
     fallbacks_.emplace_back();
     for (std::size_t a = 0; a < model.numActions(); ++a)
     {
-      vectors_.back().add(static_cast<std::uint32_t>(a), blind[c][a]);
       for (std::size_t s = 0; s < size; ++s)
       {
-        corners[s] = std::max(corners[s], informed[c][a][s]);
+        corners[s] = std::max(corners[s], informed_[c][a][s]);
       }
-      fallbacks_.back().emplace_back(model.classes()[c].actions[a].branches.size(), kNoNode);
+      informed_[c][a].resize(padded(size), 0.0);
+      fallbacks_.back().emplace_back(model.classes()[c].actions[a].branches.size(), kNone);
+      fixed_bytes_ +=
+          padded(size) * sizeof(double) + fallbacks_.back().back().size() * sizeof(NodeId);
     }
     points_.emplace_back(std::move(corners));
+    set_bytes_ += vectors_.back().sizeInBytes() + points_.back().sizeInBytes();
+    for (std::size_t a = 0; a < model.numActions(); ++a)
+    {
+      addVector(static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(a), blind[c][a]);
+    }
   }
   for (const ObservedStart& start : model.starts())
   {
-    std::vector<double> belief = start.belief;
-    roots_.push_back(nodeOf(start.state_class, belief));
+    roots_.push_back(nodeOf(start.state_class, start.belief));
   }
-}
-
-std::size_t BeliefGraph::numVectors() const
-{
-  std::size_t sum = 0;
-  for (const VectorSet& set : vectors_)
-  {
-    sum += set.numAlive();
-  }
-  return sum;
 }
 
 std::size_t BeliefGraph::sizeInBytes() const
 {
-  // A node of the index holds the next one, its key and its value.
-  constexpr std::size_t kIndexEntry = sizeof(void*) + 2 * sizeof(std::uint64_t);
-  std::size_t bytes = (source_ == nullptr ? 0 : source_->sizeInBytes()) + expansion_bytes_ +
-                      storage_bytes_ + nodes_.size() * sizeof(Node) + index_.size() * kIndexEntry +
-                      index_.bucket_count() * sizeof(void*);
-  for (std::size_t c = 0; c < vectors_.size(); ++c)
-  {
-    bytes += vectors_[c].sizeInBytes() + points_[c].sizeInBytes();
-  }
-  return bytes;
+  return sizeof(*this) + (source_ == nullptr ? 0 : source_->sizeInBytes()) + fixed_bytes_ +
+         set_bytes_ + nodes_.size() * sizeof(Node) +
+         action_tables_.capacity() * sizeof(NodeAction*) +
+         beliefs_.capacity() * sizeof(PackedBelief) + actions_.sizeInBytes() +
+         edges_.sizeInBytes() + belief_values_.sizeInBytes() + belief_blocks_.sizeInBytes() +
+         index_.sizeInBytes();
 }
 
-NodeId BeliefGraph::nodeOf(std::uint32_t state_class, std::vector<double>& belief)
+NodeId BeliefGraph::nodeOf(std::uint32_t state_class, const std::vector<double>& belief)
 {
-  std::uint64_t hash = state_class;
-  for (const double p : belief)
+  next_.reset(belief.size());
+  for (std::size_t s = 0; s < belief.size(); ++s)
   {
-    hash = mix(hash, static_cast<std::uint64_t>(p / kSameBelief + 0.5));
-  }
-  const auto [first, last] = index_.equal_range(hash);
-  for (auto found = first; found != last; ++found)
-  {
-    const Node& node = nodes_[found->second];
-    if (node.state_class == state_class &&
-        std::equal(belief.begin(), belief.end(), node.belief,
-                   [](double p, double q) { return std::abs(p - q) <= 2.0 * kSameBelief; }))
+    if (belief[s] > 0.0)
     {
-      return found->second;
+      next_.add(s, belief[s]);
     }
   }
-  const auto id = static_cast<NodeId>(nodes_.size());
-  const std::size_t stride = padded(belief.size());
-  if (storage_.empty() || storage_.back().size() + stride > storage_.back().capacity())
+  next_.finish(1.0);
+  return find(state_class, next_, nullptr);
+}
+
+NodeId BeliefGraph::find(std::uint32_t state_class, const UnpackedBelief& belief,
+                         const Origin* origin)
+{
+  const std::uint64_t hash = hashOf(state_class, belief.packed());
+  const NodeId known = index_.find(hash, [&](NodeId id) {
+    const Node& node = nodes_[id];
+    if (node.hash != hash || node.state_class != state_class)
+    {
+      return false;
+    }
+    return same(belief.packed(), packed(id));
+  });
+  if (known != BeliefIndex::kNotFound)
   {
-    storage_.emplace_back();
-    storage_.back().reserve(std::max(kBlock, stride));
-    storage_bytes_ += storage_.back().capacity() * sizeof(double);
+    return known;
   }
-  std::vector<double>& block = storage_.back();
-  const double* place = block.data() + block.size();
-  block.insert(block.end(), belief.begin(), belief.end());
-  block.resize(block.size() + stride - belief.size(), 0.0);
+  const auto id = static_cast<NodeId>(nodes_.size());
   Node node{};
   node.state_class = state_class;
   node.lower = -kInfinity;
-  node.belief = place;
+  node.hash = hash;
   node.upper = -kInfinity;
-  for (const std::vector<double>& vector : (*informed_)[state_class])
+  for (const std::vector<double>& vector : informed_[state_class])
   {
-    double value = 0.0;
-    for (std::size_t s = 0; s < belief.size(); ++s)
-    {
-      value += belief[s] * vector[s];
-    }
-    node.upper = std::max(node.upper, value);
+    node.upper = std::max(node.upper, dot(belief.packed(), vector.data()));
+  }
+  if (origin != nullptr)
+  {
+    node.parent = origin->parent;
+    node.parent_action = origin->action;
+    node.parent_branch = origin->branch;
   }
   nodes_.push_back(node);
-  index_.emplace(hash, id);
+  index_.insert(hash, id, [this](NodeId other) { return nodes_[other].hash; });
+  if (origin == nullptr)
+  {
+    store(id, belief);
+  }
   return id;
 }
 
-void BeliefGraph::refreshLower(Node& node)
+double BeliefGraph::follow(const PackedBelief& belief, const Branch& branch,
+                           UnpackedBelief& next) const
 {
+  next.reset(model_->classes()[branch.target_class].states.size());
+  double total = 0.0;
+  for (std::size_t i = 0; i < belief.num_blocks * kLanes; ++i)
+  {
+    const double probability = belief.values[i];
+    if (probability == 0.0)
+    {
+      continue;
+    }
+    for (const SparseEntry& to : branch.joint.row(belief.blocks[i / kLanes] * kLanes + i % kLanes))
+    {
+      next.add(to.index, probability * to.probability);
+      total += probability * to.probability;
+    }
+  }
+  if (total > 0.0)
+  {
+    next.finish(total);
+  }
+  return total;
+}
+
+/// The belief of a node, stored or found anew in `other_`.
+PackedBelief BeliefGraph::packed(NodeId id)
+{
+  const Node& node = nodes_[id];
+  if (node.belief != kNone)
+  {
+    return beliefs_[node.belief];
+  }
+  const Branch& branch = model_->classes()[nodes_[node.parent].state_class]
+                             .actions[node.parent_action]
+                             .branches[node.parent_branch];
+  follow(beliefs_[nodes_[node.parent].belief], branch, other_);
+  return other_.packed();
+}
+
+const UnpackedBelief& BeliefGraph::unpacked(NodeId id)
+{
+  if (unpacked_node_ == id)
+  {
+    return unpacked_;
+  }
+  unpacked_node_ = id;
+  const Node& node = nodes_[id];
+  if (node.belief == kNone)
+  {
+    const Branch& branch = model_->classes()[nodes_[node.parent].state_class]
+                               .actions[node.parent_action]
+                               .branches[node.parent_branch];
+    follow(beliefs_[nodes_[node.parent].belief], branch, unpacked_);
+    return unpacked_;
+  }
+  unpacked_.assign(model_->classes()[node.state_class].states.size(), beliefs_[node.belief]);
+  return unpacked_;
+}
+
+void BeliefGraph::store(NodeId id, const UnpackedBelief& belief)
+{
+  const PackedBelief from = belief.packed();
+  double* values = belief_values_.allocate(from.num_blocks * kLanes);
+  std::copy_n(from.values, from.num_blocks * kLanes, values);
+  std::uint32_t* blocks = belief_blocks_.allocate(from.num_blocks);
+  std::copy_n(from.blocks, from.num_blocks, blocks);
+  nodes_[id].belief = static_cast<std::uint32_t>(beliefs_.size());
+  beliefs_.push_back({values, blocks, from.num_blocks});
+}
+
+std::vector<double> BeliefGraph::belief(NodeId id)
+{
+  const UnpackedBelief& belief = unpacked(id);
+  return {belief.values(), belief.values() + belief.numStates()};
+}
+
+void BeliefGraph::refreshLower(NodeId id)
+{
+  Node& node = nodes_[id];
   const VectorSet& set = vectors_[node.state_class];
   if (node.vectors_seen != set.end())
   {
-    const VectorSet::Best best =
-        set.best(node.belief, node.vectors_seen, {node.lower, node.vector});
+    const PackedBelief belief =
+        node.belief == kNone ? unpacked(id).packed() : beliefs_[node.belief];
+    const VectorSet::Best best = set.best(belief, node.vectors_seen, {node.lower, node.vector});
     node.lower = best.value;
     node.vector = best.vector;
     node.vectors_seen = set.end();
@@ -146,7 +240,7 @@ void BeliefGraph::refreshLower(Node& node)
 
 double BeliefGraph::lower(NodeId node)
 {
-  refreshLower(nodes_[node]);
+  refreshLower(node);
   return nodes_[node].lower;
 }
 
@@ -155,126 +249,161 @@ double BeliefGraph::upper(NodeId id)
   Node& node = nodes_[id];
   if (source_ != nullptr && node.source_version != source_->version())
   {
-    node.upper = std::min(node.upper, source_->upper(node.state_class, node.belief));
+    node.upper = std::min(node.upper, source_->upper(node.state_class, unpacked(id).values()));
     node.source_version = source_->version();
   }
   const SawtoothSet& set = points_[node.state_class];
   if (node.points_seen != set.end())
   {
-    node.upper = std::min(node.upper, set.value(node.belief, node.points_seen));
+    node.upper = set.value(unpacked(id), node.points_seen, node.upper);
     node.points_seen = set.end();
   }
   return node.upper;
 }
 
-BeliefGraph::Expansion& BeliefGraph::expansion(NodeId node)
+void BeliefGraph::setUpper(NodeId id, double value)
 {
-  if (nodes_[node].expansion == 0)
+  const UnpackedBelief& belief = unpacked(id);
+  if (nodes_[id].belief == kNone)
   {
-    expand(node);
+    store(id, belief);
   }
-  return expansions_[nodes_[node].expansion - 1];
-}
-
-const std::vector<NodeAction>& BeliefGraph::actions(NodeId node)
-{
-  return expansion(node).actions;
-}
-
-const std::vector<Edge>& BeliefGraph::edges(NodeId node)
-{
-  return expansion(node).edges;
-}
-
-void BeliefGraph::expand(NodeId node)
-{
-  const std::uint32_t state_class = nodes_[node].state_class;
-  const double* belief = nodes_[node].belief;
-  const StateClass& states = model_->classes()[state_class];
-  Expansion result;
-  result.actions.reserve(states.actions.size());
-  std::vector<double> next;
-  for (const ClassAction& action : states.actions)
+  Node& node = nodes_[id];
+  SawtoothSet& set = points_[node.state_class];
+  set_bytes_ -= set.sizeInBytes();
+  if (node.point != kNone)
   {
-    NodeAction entry{};
-    entry.first_edge = static_cast<std::uint32_t>(result.edges.size());
-    for (std::size_t s = 0; s < states.states.size(); ++s)
-    {
-      entry.reward += belief[s] * action.rewards[s];
-    }
-    for (std::size_t b = 0; b < action.branches.size(); ++b)
-    {
-      const Branch& branch = action.branches[b];
-      next.assign(model_->classes()[branch.target_class].states.size(), 0.0);
-      double total = 0.0;
-      for (std::size_t s = 0; s < states.states.size(); ++s)
-      {
-        if (belief[s] == 0.0)
-        {
-          continue;
-        }
-        for (const SparseEntry& to : branch.joint.row(s))
-        {
-          next[to.index] += belief[s] * to.probability;
-          total += belief[s] * to.probability;
-        }
-      }
-      if (!(total > 0.0))
-      {
-        continue;
-      }
-      for (double& p : next)
-      {
-        p /= total;
-      }
-      result.edges.push_back(
-          {total, nodeOf(branch.target_class, next), static_cast<std::uint32_t>(b)});
-    }
-    entry.last_edge = static_cast<std::uint32_t>(result.edges.size());
-    result.actions.push_back(entry);
+    set.remove(node.point);
   }
-  result.edges.shrink_to_fit();
-  expansion_bytes_ += sizeof(Expansion) + result.actions.capacity() * sizeof(NodeAction) +
-                      result.edges.capacity() * sizeof(Edge);
-  expansions_.push_back(std::move(result));
-  nodes_[node].expansion = static_cast<std::uint32_t>(expansions_.size());
+  node.point = set.add(belief, beliefs_[node.belief], value);
+  node.upper = value;
+  set_bytes_ += set.sizeInBytes();
+}
+
+void BeliefGraph::tighten(NodeId node, double value)
+{
+  const double known = upper(node);
+  if (value < known - worthwhile(known))
+  {
+    setUpper(node, value);
+  }
+}
+
+void BeliefGraph::addVector(std::uint32_t state_class, std::uint32_t action,
+                            const std::vector<double>& values)
+{
+  VectorSet& set = vectors_[state_class];
+  set_bytes_ -= set.sizeInBytes();
+  num_vectors_ -= set.numAlive();
+  set.add(action, values);
+  num_vectors_ += set.numAlive();
+  set_bytes_ += set.sizeInBytes();
+}
+
+NodeAction* BeliefGraph::table(NodeId id)
+{
+  if (nodes_[id].actions == kNone)
+  {
+    if (nodes_[id].belief == kNone)
+    {
+      store(id, unpacked(id));
+    }
+    Node& node = nodes_[id];
+    const PackedBelief& belief = beliefs_[node.belief];
+    const StateClass& states = model_->classes()[node.state_class];
+    NodeAction* entries = actions_.allocate(model_->numActions());
+    for (std::size_t a = 0; a < model_->numActions(); ++a)
+    {
+      entries[a].upper = dot(belief, informed_[node.state_class][a].data());
+      for (std::size_t i = 0; i < belief.num_blocks * kLanes; ++i)
+      {
+        if (belief.values[i] > 0.0)
+        {
+          entries[a].reward +=
+              belief.values[i] *
+              states.actions[a].rewards[belief.blocks[i / kLanes] * kLanes + i % kLanes];
+        }
+      }
+    }
+    node.actions = static_cast<std::uint32_t>(action_tables_.size());
+    action_tables_.push_back(entries);
+  }
+  return action_tables_[nodes_[id].actions];
+}
+
+Slice<const NodeAction> BeliefGraph::actions(NodeId node)
+{
+  return {table(node), model_->numActions()};
+}
+
+Slice<const Edge> BeliefGraph::edges(NodeId node, std::size_t action)
+{
+  const NodeAction& entry = table(node)[action];
+  if (entry.edges == nullptr)
+  {
+    expand(node, action);
+  }
+  return {entry.edges, entry.size};
+}
+
+void BeliefGraph::expand(NodeId id, std::size_t action)
+{
+  NodeAction& entry = table(id)[action];
+  const std::vector<Branch>& branches =
+      model_->classes()[nodes_[id].state_class].actions[action].branches;
+  std::vector<Edge> edges;
+  for (std::size_t b = 0; b < branches.size(); ++b)
+  {
+    const double total = follow(beliefs_[nodes_[id].belief], branches[b], next_);
+    if (total > 0.0)
+    {
+      const Origin origin{id, static_cast<std::uint32_t>(action), static_cast<std::uint32_t>(b)};
+      edges.push_back({total, find(branches[b].target_class, next_, &origin), origin.branch});
+    }
+  }
+  Edge* stored = edges_.allocate(edges.size());
+  std::copy(edges.begin(), edges.end(), stored);
+  entry.edges = stored;
+  entry.size = static_cast<std::uint32_t>(edges.size());
 }
 
 double BeliefGraph::lowerOf(NodeId node, std::size_t action)
 {
-  const Expansion& expanded = expansion(node);
-  const NodeAction& entry = expanded.actions[action];
   double sum = 0.0;
-  for (std::uint32_t e = entry.first_edge; e < entry.last_edge; ++e)
+  for (const Edge& edge : edges(node, action))
   {
-    sum += expanded.edges[e].probability * lower(expanded.edges[e].child);
+    sum += edge.probability * lower(edge.child);
   }
-  return entry.reward + model_->discount() * sum;
+  return table(node)[action].reward + model_->discount() * sum;
 }
 
 double BeliefGraph::upperOf(NodeId node, std::size_t action)
 {
-  const Expansion& expanded = expansion(node);
-  const NodeAction& entry = expanded.actions[action];
   double sum = 0.0;
-  for (std::uint32_t e = entry.first_edge; e < entry.last_edge; ++e)
+  for (const Edge& edge : edges(node, action))
   {
-    sum += expanded.edges[e].probability * upper(expanded.edges[e].child);
+    sum += edge.probability * upper(edge.child);
   }
-  return entry.reward + model_->discount() * sum;
+  NodeAction& entry = table(node)[action];
+  entry.upper = std::min(entry.upper, entry.reward + model_->discount() * sum);
+  return entry.upper;
 }
 
-BeliefGraph::Choice BeliefGraph::bestLower(NodeId node)
+BeliefGraph::Choice BeliefGraph::bestLower(NodeId id, Width width)
 {
-  const Expansion& expanded = expansion(node);
-  Choice best{0, -kInfinity};
-  for (std::size_t a = 0; a < expanded.actions.size(); ++a)
+  const NodeAction* entries = table(id);
+  refreshLower(id);
+  const VectorSet& set = vectors_[nodes_[id].state_class];
+  const std::size_t known = set.action(set.living(nodes_[id].vector));
+  Choice best{known, lowerOf(id, known)};
+  for (std::size_t a = 0; a < model_->numActions(); ++a)
   {
-    if (expanded.actions[a].useless)
+    const bool left_out = width == Width::kExpanded && entries[a].edges == nullptr;
+    if (a == known || left_out || entries[a].useless || entries[a].upper <= best.value)
     {
       continue;
     }
-    const double value = lowerOf(node, a);
+    const double value = lowerOf(id, a);
     if (value > best.value)
     {
       best = {a, value};
@@ -285,32 +414,39 @@ BeliefGraph::Choice BeliefGraph::bestLower(NodeId node)
 
 BeliefGraph::Choice BeliefGraph::bestUpper(NodeId node)
 {
-  Expansion& expanded = expansion(node);
+  NodeAction* entries = table(node);
   const double floor = lower(node);
-  Choice best{0, -kInfinity};
-  for (std::size_t a = 0; a < expanded.actions.size(); ++a)
+  // What is out of date only is too high: the greatest that is up to date is the greatest.
+  std::vector<bool>& fresh = fresh_;
+  fresh.assign(model_->numActions(), false);
+  while (true)
   {
-    if (expanded.actions[a].useless)
+    Choice best{0, -kInfinity};
+    for (std::size_t a = 0; a < fresh.size(); ++a)
     {
-      continue;
+      if (!entries[a].useless && entries[a].upper > best.value)
+      {
+        best = {a, entries[a].upper};
+      }
     }
-    const double value = upperOf(node, a);
-    if (value > best.value)
+    if (fresh[best.action])
     {
-      best = {a, value};
+      for (std::size_t a = 0; a < fresh.size(); ++a)
+      {
+        entries[a].useless = entries[a].useless ||
+                             (a != best.action && entries[a].upper < floor - worthwhile(floor));
+      }
+      return best;
     }
-    else
-    {
-      expanded.actions[a].useless = value < floor - worthwhile(floor);
-    }
+    upperOf(node, best.action);
+    fresh[best.action] = true;
   }
-  return best;
 }
 
 NodeId BeliefGraph::fallback(std::uint32_t state_class, std::size_t action, std::size_t branch)
 {
   NodeId& node = fallbacks_[state_class][action][branch];
-  if (node == kNoNode)
+  if (node == kNone)
   {
     const Branch& to = model_->classes()[state_class].actions[action].branches[branch];
     std::vector<double> belief(model_->classes()[to.target_class].states.size(), 0.0);
@@ -336,21 +472,14 @@ std::vector<double> BeliefGraph::backedUpVector(NodeId node, std::size_t action)
 {
   const std::uint32_t state_class = nodes_[node].state_class;
   const ClassAction& model_action = model_->classes()[state_class].actions[action];
-  const Expansion& expanded = expansion(node);
+  const Slice<const Edge> outcomes = edges(node, action);
   std::vector<double> values(model_action.rewards.size(), 0.0);
-  std::uint32_t edge = expanded.actions[action].first_edge;
+  const Edge* edge = outcomes.begin();
   for (std::size_t b = 0; b < model_action.branches.size(); ++b)
   {
-    NodeId child = kNoNode;
-    if (edge < expanded.actions[action].last_edge && expanded.edges[edge].branch == b)
-    {
-      child = expanded.edges[edge++].child;
-    }
-    else
-    {
-      child = fallback(state_class, action, b);
-    }
-    lower(child);
+    const bool possible = edge != outcomes.end() && edge->branch == b;
+    const NodeId child = possible ? (edge++)->child : fallback(state_class, action, b);
+    refreshLower(child);
     const Branch& branch = model_action.branches[b];
     const VectorSet& set = vectors_[branch.target_class];
     const double* next_values = set.values(set.living(nodes_[child].vector));
@@ -369,29 +498,17 @@ std::vector<double> BeliefGraph::backedUpVector(NodeId node, std::size_t action)
   return values;
 }
 
-void BeliefGraph::backUp(NodeId id)
+void BeliefGraph::backUp(NodeId id, Width width)
 {
   const Choice best_upper = bestUpper(id);
-  const double old_upper = upper(id);
-  if (best_upper.value < old_upper - worthwhile(old_upper))
+  tighten(id, best_upper.value);
+  const Choice best_lower = bestLower(id, width);
+  const double known = lower(id);
+  if (best_lower.value > known + worthwhile(known))
   {
-    Node& node = nodes_[id];
-    SawtoothSet& set = points_[node.state_class];
-    if (node.point != 0)
-    {
-      set.remove(node.point - 1);
-    }
-    node.point = set.add(node.belief, best_upper.value) + 1;
-    node.upper = best_upper.value;
-  }
-  const Choice best_lower = bestLower(id);
-  const double old_lower = lower(id);
-  if (best_lower.value > old_lower + worthwhile(old_lower))
-  {
-    const std::vector<double> values = backedUpVector(id, best_lower.action);
-    Node& node = nodes_[id];
-    vectors_[node.state_class].add(static_cast<std::uint32_t>(best_lower.action), values);
-    refreshLower(node);
+    addVector(nodes_[id].state_class, static_cast<std::uint32_t>(best_lower.action),
+              backedUpVector(id, best_lower.action));
+    refreshLower(id);
   }
 }
 

@@ -3,18 +3,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <unordered_map>
 #include <vector>
 
+#include "arena.hpp"
+#include "belief_index.hpp"
 #include "informed_bound.hpp"
 #include "observed_model.hpp"
+#include "packed_belief.hpp"
+#include "sawtooth_set.hpp"
 #include "upper_bound_source.hpp"
 #include "vector_set.hpp"
 
 namespace kr3::pomdp
 {
-
-using NodeId = std::uint32_t;
 
 /// A possible outcome of an action at a belief.
 struct Edge
@@ -27,44 +28,55 @@ struct Edge
 /// What is known of an action at a belief.
 struct NodeAction
 {
-  double reward;             ///< expected immediate reward
-  bool useless;              ///< its upper bound fell below the node's lower bound: never
-                             ///< optimal here
-  std::uint32_t first_edge;  ///< in the node's edges
-  std::uint32_t last_edge;   ///< one past
+  double reward;       ///< expected immediate reward
+  double upper;        ///< least known upper bound of doing it first; may be out of date
+  const Edge* edges;   ///< null until they are asked for
+  std::uint32_t size;  ///< of the edges
+  bool useless;        ///< its upper bound fell below the node's lower bound: never optimal here
 };
 
-/// Beliefs that were met, each once, with their bounds; and the two value
-/// functions.
+/// Beliefs that were met, each once, with their bounds; and the two value functions.
 ///
-/// Bounds of a node are brought up to date when asked for: only vectors and
-/// points that came since are looked at. Not thread-safe.
+/// Bounds of a node are brought up to date when asked for: only vectors and points that came since
+/// are looked at. An action's outcomes are found when its upper bound, which is known before, makes
+/// them matter. The belief of a node whose own outcomes were never asked for is not stored but
+/// found anew from the node that led there. Not thread-safe.
 class BeliefGraph
 {
 public:
-  /// @param source  more upper bounds, or null; it and all others outlive this object
-  BeliefGraph(const ObservedModel& model, const InformedVectors& informed,
-              const InformedVectors& blind, UpperBoundSource* source = nullptr);
+  /// @param informed  the vector of an action bounds the value of doing that action first
+  /// @param blind     lower bounds of doing one action for ever
+  /// @param source    more upper bounds, or null; it and the model outlive this object
+  BeliefGraph(const ObservedModel& model, InformedVectors informed, const InformedVectors& blind,
+              UpperBoundSource* source = nullptr);
 
   /// The nodes of the model's starts, in their order.
   [[nodiscard]] const std::vector<NodeId>& roots() const { return roots_; }
   [[nodiscard]] std::size_t numNodes() const { return nodes_.size(); }
-  [[nodiscard]] std::size_t numVectors() const;
+  [[nodiscard]] std::size_t numVectors() const { return num_vectors_; }
   [[nodiscard]] const std::vector<VectorSet>& vectors() const { return vectors_; }
   [[nodiscard]] const ObservedModel& model() const { return *model_; }
   [[nodiscard]] UpperBoundSource* source() const { return source_; }
   /// Memory held: nodes, outcomes, beliefs and their index, vectors, points.
   [[nodiscard]] std::size_t sizeInBytes() const;
 
+  /// The node of a belief of shape [states of the class]; a new one if it was not met before.
+  NodeId nodeOf(std::uint32_t state_class, const std::vector<double>& belief);
+  [[nodiscard]] std::uint32_t stateClass(NodeId node) const { return nodes_[node].state_class; }
+  /// Shape [states of the class].
+  std::vector<double> belief(NodeId node);
+
   /// Value of the belief under the vectors; never falls.
   double lower(NodeId node);
   /// Least known upper bound of the belief's value; never rises.
   double upper(NodeId node);
+  /// Takes a true upper bound from elsewhere; a new point if it is lower than what is known.
+  void tighten(NodeId node, double upper);
 
-  /// Actions and outcomes of a node; computed the first time. The references
-  /// stay valid.
-  const std::vector<NodeAction>& actions(NodeId node);
-  const std::vector<Edge>& edges(NodeId node);
+  /// Shape [num_actions]. The slice stays valid.
+  Slice<const NodeAction> actions(NodeId node);
+  /// Outcomes that are possible. The slice stays valid.
+  Slice<const Edge> edges(NodeId node, std::size_t action);
 
   /// Bounds of doing `action` first.
   double lowerOf(NodeId node, std::size_t action);
@@ -75,57 +87,87 @@ public:
     std::size_t action;
     double value;
   };
-  /// The action with the greatest bound; useless ones are left out, ties go to
-  /// the first.
-  Choice bestLower(NodeId node);
+  /// Which actions a lower bound is looked for with.
+  enum class Width
+  {
+    kExpanded,  ///< those whose outcomes were asked for, and that of the best vector
+    kAll,
+  };
+  /// The action with the greatest bound; useless ones are left out, ties go to the first.
+  Choice bestLower(NodeId node, Width width);
   Choice bestUpper(NodeId node);
 
-  /// One point-based backup: a new vector if it raises the lower bound here, a
-  /// new point if it lowers the upper bound.
-  void backUp(NodeId node);
+  /// One point-based backup: a new vector if it raises the lower bound here, a new point if it
+  /// lowers the upper bound.
+  void backUp(NodeId node, Width width);
 
 private:
-  struct Expansion
-  {
-    std::vector<NodeAction> actions;
-    std::vector<Edge> edges;
-  };
+  static constexpr std::uint32_t kNone = 0xffffffff;
   struct Node
   {
+    double lower;
+    double upper;
+    std::uint64_t hash;
     std::uint32_t state_class;
     std::uint32_t vector = 0;  // best known vector
     std::uint32_t vectors_seen = 0;
     std::uint32_t points_seen = 0;
-    std::uint32_t point = 0;      // index + 1 of its own point; 0 = none
-    std::uint32_t expansion = 0;  // index + 1; 0 = not expanded
+    std::uint32_t point = kNone;    // its own
+    std::uint32_t belief = kNone;   // in `beliefs_`
+    std::uint32_t actions = kNone;  // in `action_tables_`
+    // How to find the belief when it is not stored.
+    NodeId parent = kNone;
+    std::uint32_t parent_action = 0;
+    std::uint32_t parent_branch = 0;
     std::uint32_t source_version = 0;
-    double lower;
-    double upper;
-    const double* belief;  // padded, in `storage_`
+  };
+  struct Origin
+  {
+    NodeId parent;
+    std::uint32_t action;
+    std::uint32_t branch;
   };
 
-  NodeId nodeOf(std::uint32_t state_class, std::vector<double>& belief);
-  Expansion& expansion(NodeId node);
-  void expand(NodeId node);
-  void refreshLower(Node& node);
+  NodeId find(std::uint32_t state_class, const UnpackedBelief& belief, const Origin* origin);
+  PackedBelief packed(NodeId node);
+  const UnpackedBelief& unpacked(NodeId node);
+  double follow(const PackedBelief& belief, const Branch& branch, UnpackedBelief& next) const;
+  void store(NodeId node, const UnpackedBelief& belief);
+  NodeAction* table(NodeId node);
+  void expand(NodeId node, std::size_t action);
+  void refreshLower(NodeId node);
+  void setUpper(NodeId node, double value);
+  void addVector(std::uint32_t state_class, std::uint32_t action,
+                 const std::vector<double>& values);
   std::vector<double> backedUpVector(NodeId node, std::size_t action);
   NodeId fallback(std::uint32_t state_class, std::size_t action, std::size_t branch);
 
   const ObservedModel* model_;       // outlives this object
-  const InformedVectors* informed_;  // outlives this object
+  InformedVectors informed_;         // padded
   UpperBoundSource* source_;         // null = none
   std::vector<VectorSet> vectors_;   // shape [classes]
   std::vector<SawtoothSet> points_;  // shape [classes]
   std::deque<Node> nodes_;
   std::vector<NodeId> roots_;
-  std::deque<Expansion> expansions_;
-  std::deque<std::vector<double>> storage_;
-  std::size_t expansion_bytes_ = 0;
-  std::size_t storage_bytes_ = 0;
-  std::unordered_multimap<std::uint64_t, NodeId> index_;
+  std::vector<NodeAction*> action_tables_;
+  std::vector<PackedBelief> beliefs_;
+  Arena<NodeAction> actions_;
+  Arena<Edge> edges_;
+  Arena<double> belief_values_;
+  Arena<std::uint32_t> belief_blocks_;
+  BeliefIndex index_;
   // The belief that stands for an outcome that is impossible where a vector is
   // built: [class][action][branch].
   std::vector<std::vector<std::vector<NodeId>>> fallbacks_;
+  std::size_t num_vectors_ = 0;
+  std::size_t set_bytes_ = 0;  // vectors and points
+  std::size_t fixed_bytes_ = 0;
+  // Work space.
+  UnpackedBelief unpacked_;
+  NodeId unpacked_node_ = kNone;
+  UnpackedBelief next_;
+  UnpackedBelief other_;
+  std::vector<bool> fresh_;
 };
 
 }  // namespace kr3::pomdp

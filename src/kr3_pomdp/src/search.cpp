@@ -14,6 +14,7 @@ constexpr double kSampledShare = 0.5;  // of the trials
 constexpr double kSourceShare = 0.5;   // pieces of work on the graph's source for each backup
 constexpr double kOptimistic = 0.25;   // probability
 constexpr double kExploration = 0.1;   // probability
+constexpr double kThorough = 0.25;     // probability that a sampled trial tries all actions
 constexpr double kLeastWeight = 0.05;  // discount at which a trial ends
 constexpr double kLeastGap = 0.01;     // of the root's gap
 
@@ -129,18 +130,16 @@ void Search::upperTrial()
     path_.push_back(node);
     allowed /= graph_->model().discount();
     const std::size_t action = graph_->bestUpper(node).action;
-    const NodeAction& entry = graph_->actions(node)[action];
-    const std::vector<Edge>& edges = graph_->edges(node);
     double most = 0.0;
     NodeId next = node;
-    for (std::uint32_t e = entry.first_edge; e < entry.last_edge; ++e)
+    for (const Edge& edge : graph_->edges(node, action))
     {
-      const double gap = graph_->upper(edges[e].child) - graph_->lower(edges[e].child);
-      const double excess = edges[e].probability * (gap - allowed);
+      const double gap = graph_->upper(edge.child) - graph_->lower(edge.child);
+      const double excess = edge.probability * (gap - allowed);
       if (excess > most)
       {
         most = excess;
-        next = edges[e].child;
+        next = edge.child;
       }
     }
     if (next == node)
@@ -149,7 +148,7 @@ void Search::upperTrial()
     }
     node = next;
   }
-  backUpPath();
+  backUpPath(BeliefGraph::Width::kExpanded);
 }
 
 /// Samples what happens, mostly under the policy found so far, at times under the
@@ -160,6 +159,8 @@ void Search::sampledTrial()
   NodeId node = sampledRoot();
   const double root_gap = graph_->upper(node) - graph_->lower(node);
   const bool optimistic = uniform() < kOptimistic;
+  const BeliefGraph::Width width =
+      uniform() < kThorough ? BeliefGraph::Width::kAll : BeliefGraph::Width::kExpanded;
   double weight = 1.0;
   path_.clear();
   while (weight > kLeastWeight &&
@@ -174,17 +175,17 @@ void Search::sampledTrial()
     }
     else if (!optimistic)
     {
-      action = graph_->bestLower(node).action;
+      action = graph_->bestLower(node, width).action;
     }
     node = sampledChild(node, action);
   }
-  backUpPath();
+  backUpPath(width);
 }
 
 std::size_t Search::anyUseful(NodeId node)
 {
   std::vector<std::size_t> useful;
-  const std::vector<NodeAction>& actions = graph_->actions(node);
+  const Slice<const NodeAction> actions = graph_->actions(node);
   for (std::size_t a = 0; a < actions.size(); ++a)
   {
     if (!actions[a].useless)
@@ -197,22 +198,21 @@ std::size_t Search::anyUseful(NodeId node)
 
 NodeId Search::sampledChild(NodeId node, std::size_t action)
 {
-  const NodeAction& entry = graph_->actions(node)[action];
-  const std::vector<Edge>& edges = graph_->edges(node);
+  const Slice<const Edge> edges = graph_->edges(node, action);
   double u = uniform();
-  std::uint32_t e = entry.first_edge;
-  while (e + 1 < entry.last_edge && (u -= edges[e].probability) >= 0.0)
+  std::size_t e = 0;
+  while (e + 1 < edges.size() && (u -= edges[e].probability) >= 0.0)
   {
     ++e;
   }
   return edges[e].child;
 }
 
-void Search::backUpPath()
+void Search::backUpPath(BeliefGraph::Width width)
 {
   for (std::size_t i = path_.size(); i-- > 0;)
   {
-    graph_->backUp(path_[i]);
+    graph_->backUp(path_[i], width);
     supervisor_->countBackup();
     if (i > 0 && !mayGoOn())
     {

@@ -42,7 +42,7 @@ private:
   void sampledTrial();
   std::size_t anyUseful(NodeId node);
   NodeId sampledChild(NodeId node, std::size_t action);
-  void backUpPath();
+  void backUpPath(BeliefGraph::Width width);
   double uniform();
 
   BeliefGraph* graph_;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <kr3_common/error.hpp>
 
@@ -131,10 +132,10 @@ SolveResult solve(const Model& model, const SolverLimits& limits,
   Supervisor supervisor(limits, keep_going);
   const ObservedModel observed(model);
   const auto in_time = [&supervisor] { return supervisor.mayPrepare(); };
-  const InformedVectors informed = informedBound(observed, in_time);
+  InformedVectors informed = informedBound(observed, in_time);
   const InformedVectors blind = blindBound(observed, in_time);
   const std::unique_ptr<UpperBoundSource> source = ExclusionBound::make(observed, informed);
-  BeliefGraph graph(observed, informed, blind, source.get());
+  BeliefGraph graph(observed, std::move(informed), blind, source.get());
   Search search(graph, limits.precision, supervisor);
   search.run();
   Policy policy = policyOf(graph);

@@ -1,8 +1,9 @@
 #include "vector_set.hpp"
 
 #include <algorithm>
-#include <array>
-#include <utility>
+#include <cstring>
+
+#include "multiversion.hpp"
 
 namespace kr3::pomdp
 {
@@ -10,21 +11,52 @@ namespace kr3::pomdp
 namespace
 {
 
-/// Stands for 1/0 in a product with a probability that is never below kTiny.
-constexpr double kHuge = 1e300;
-constexpr double kTiny = 1e-200;
+/// Dead rows that are worth moving the others, and the part of all rows.
+constexpr std::size_t kFewDead = 16;
+constexpr std::size_t kDeadPart = 8;
+
+/// How two rows may lie to each other, as far as sums can tell.
+struct Relation
+{
+  bool never_above;
+  bool never_below;
+};
+
+PartSums partSums(const double* values, std::size_t size)
+{
+  PartSums sums{};
+  std::array<double, kParts> exact{};
+  for (std::size_t s = 0; s < size; ++s)
+  {
+    exact[s % kParts] += values[s];
+  }
+  std::copy(exact.begin(), exact.end(), sums.begin());
+  return sums;
+}
+
+inline Relation relation(const PartSums& a, const PartSums& b)
+{
+  int above = 0;
+  int below = 0;
+  for (std::size_t part = 0; part < kParts; ++part)
+  {
+    above |= static_cast<int>(a[part] > b[part]);
+    below |= static_cast<int>(a[part] < b[part]);
+  }
+  return {above == 0, below == 0};
+}
 
 /// Whether no entry of `upper` is below its entry of `lower`.
-bool dominates(const double* upper, const double* lower, std::size_t size)
+inline bool dominates(const double* upper, const double* lower, std::size_t size)
 {
   for (std::size_t s = 0; s < size; s += kLanes)
   {
-    bool below = false;
+    int below = 0;
     for (std::size_t lane = 0; lane < kLanes; ++lane)
     {
-      below |= upper[s + lane] < lower[s + lane];
+      below |= static_cast<int>(upper[s + lane] < lower[s + lane]);
     }
-    if (below)
+    if (below != 0)
     {
       return false;
     }
@@ -32,47 +64,135 @@ bool dominates(const double* upper, const double* lower, std::size_t size)
   return true;
 }
 
-/// Separate sums, because the compiler may not reorder one.
-double dot(const double* a, const double* b, std::size_t size)
+/// The rows that a new one stands to.
+struct Domination
 {
-  std::array<double, kLanes> sums{};
-  for (std::size_t s = 0; s < size; s += kLanes)
+  std::size_t dominating;              // a row nowhere below the new one; the end if none
+  std::vector<std::size_t> dominated;  // rows nowhere above the new one
+};
+
+KR3_POMDP_MULTIVERSION void compareRows(const double* row, const PartSums& row_sums,
+                                        const std::vector<double>& values,
+                                        const std::vector<PartSums>& sums,
+                                        const std::vector<std::uint8_t>& alive, std::size_t stride,
+                                        Domination& result)
+{
+  result.dominating = alive.size();
+  for (std::size_t i = 0; i < alive.size(); ++i)
   {
-    for (std::size_t lane = 0; lane < kLanes; ++lane)
+    const Relation likely = relation(row_sums, sums[i]);
+    if (alive[i] == 0 || !(likely.never_above || likely.never_below))
     {
-      sums[lane] += a[s + lane] * b[s + lane];
+      continue;
+    }
+    const double* other = values.data() + i * stride;
+    if (likely.never_above && dominates(other, row, stride))
+    {
+      result.dominating = i;
+      return;
+    }
+    if (likely.never_below && dominates(row, other, stride))
+    {
+      result.dominated.push_back(i);
     }
   }
-  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
+struct BestRow
+{
+  double value;
+  std::size_t row;
+};
+
+KR3_POMDP_MULTIVERSION void findBest(const PackedBelief& belief, const double* rows,
+                                     std::size_t stride, const std::uint8_t* alive,
+                                     std::size_t first, std::size_t last, BestRow& best)
+{
+  for (std::size_t i = first; i < last; ++i)
+  {
+    if (alive[i] == 0)
+    {
+      continue;
+    }
+    const double* row = rows + i * stride;
+    // Separate sums, because the compiler may not reorder one.
+    double sums[kLanes] = {};
+    for (std::size_t k = 0; k < belief.num_blocks; ++k)
+    {
+      const double* weights = belief.values + k * kLanes;
+      const double* block = row + belief.blocks[k] * kLanes;
+      for (std::size_t lane = 0; lane < kLanes; ++lane)
+      {
+        sums[lane] += weights[lane] * block[lane];
+      }
+    }
+    const double value =
+        ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+    if (value > best.value)
+    {
+      best = {value, i};
+    }
+  }
 }
 
 }  // namespace
 
 std::uint32_t VectorSet::add(std::uint32_t action, const std::vector<double>& values)
 {
-  const std::uint32_t number = end();
   std::vector<double> row(values);
   row.resize(stride_, 0.0);
-  for (std::uint32_t i = number; i-- > 0;)  // recent ones are the likeliest to dominate
+  const PartSums sums = partSums(row.data(), stride_);
+  Domination found;
+  compareRows(row.data(), sums, values_, sums_, alive_, stride_, found);
+  if (found.dominating < alive_.size())
   {
-    if (isAlive(i) && dominates(this->values(i), row.data(), stride_))
-    {
-      return i;
-    }
+    return numbers_[found.dominating];
   }
-  for (std::uint32_t i = 0; i < number; ++i)
+  const std::uint32_t number = end();
+  for (const std::size_t i : found.dominated)
   {
-    if (isAlive(i) && dominates(row.data(), this->values(i), stride_))
-    {
-      replacement_[i] = number;
-      --num_alive_;
-    }
+    alive_[i] = 0;
+    replacement_[numbers_[i]] = number;
+    --num_alive_;
   }
-  values_.insert(values_.end(), row.begin(), row.end());
-  actions_.push_back(action);
+  const std::size_t num_dead = alive_.size() - num_alive_;
+  if (num_dead > kFewDead && num_dead > alive_.size() / kDeadPart)
+  {
+    compact();
+  }
+  row_of_.push_back(static_cast<std::uint32_t>(alive_.size()));
   replacement_.push_back(number);
+  values_.insert(values_.end(), row.begin(), row.end());
+  sums_.push_back(sums);
+  actions_.push_back(action);
+  numbers_.push_back(number);
+  alive_.push_back(1);
   ++num_alive_;
   return number;
+}
+
+void VectorSet::compact()
+{
+  std::size_t to = 0;
+  for (std::size_t from = 0; from < alive_.size(); ++from)
+  {
+    if (alive_[from] == 0)
+    {
+      continue;
+    }
+    std::memmove(values_.data() + to * stride_, values_.data() + from * stride_,
+                 stride_ * sizeof(double));
+    sums_[to] = sums_[from];
+    actions_[to] = actions_[from];
+    numbers_[to] = numbers_[from];
+    row_of_[numbers_[to]] = static_cast<std::uint32_t>(to);
+    ++to;
+  }
+  values_.resize(to * stride_);
+  sums_.resize(to);
+  actions_.resize(to);
+  numbers_.resize(to);
+  alive_.assign(to, 1);
 }
 
 std::uint32_t VectorSet::living(std::uint32_t i) const
@@ -84,80 +204,23 @@ std::uint32_t VectorSet::living(std::uint32_t i) const
   return i;
 }
 
-VectorSet::Best VectorSet::best(const double* belief, std::uint32_t first, Best known) const
+VectorSet::Best VectorSet::best(const PackedBelief& belief, std::uint32_t first, Best known) const
 {
-  for (std::uint32_t i = first; i < end(); ++i)
-  {
-    if (isAlive(i))
-    {
-      const double value = dot(belief, values(i), stride_);
-      if (value > known.value)
-      {
-        known = {value, i};
-      }
-    }
-  }
-  return known;
+  const std::size_t none = alive_.size();
+  const auto first_row = static_cast<std::size_t>(
+      std::lower_bound(numbers_.begin(), numbers_.end(), first) - numbers_.begin());
+  BestRow best{known.value, none};
+  findBest(belief, values_.data(), stride_, alive_.data(), first_row, none, best);
+  return best.row == none ? known : Best{best.value, numbers_[best.row]};
 }
 
 std::size_t VectorSet::sizeInBytes() const
 {
-  return sizeof(*this) + values_.capacity() * sizeof(double) +
-         (actions_.capacity() + replacement_.capacity()) * sizeof(std::uint32_t);
-}
-
-SawtoothSet::SawtoothSet(std::vector<double> corners) : corners_(std::move(corners))
-{
-  corners_.resize(padded(corners_.size()), 0.0);
-  floored_.resize(corners_.size());
-}
-
-std::uint32_t SawtoothSet::add(const double* belief, double value)
-{
-  for (std::size_t s = 0; s < corners_.size(); ++s)
-  {
-    inverse_.push_back(belief[s] > 0.0 ? 1.0 / belief[s] : kHuge);
-  }
-  gains_.push_back(std::min(0.0, value - dot(belief, corners_.data(), corners_.size())));
-  return end() - 1;
-}
-
-double SawtoothSet::value(const double* belief, std::uint32_t first) const
-{
-  const std::size_t stride = corners_.size();
-  for (std::size_t s = 0; s < stride; ++s)
-  {
-    floored_[s] = std::max(belief[s], kTiny);
-  }
-  double greatest_drop = 0.0;
-  const double* inverse = inverse_.data() + first * stride;
-  for (std::uint32_t i = first; i < end(); ++i, inverse += stride)
-  {
-    if (gains_[i] >= greatest_drop)
-    {
-      continue;  // even the whole gain is less than what is known
-    }
-    // Below this part of the gain the point tells nothing new; most points fail
-    // in a few states.
-    const double least_ratio = greatest_drop / gains_[i];
-    double ratio = 1.0;
-    for (std::size_t s = 0; s < stride && ratio > least_ratio; s += kLanes)
-    {
-      const double first_two = std::min(floored_[s] * inverse[s], floored_[s + 1] * inverse[s + 1]);
-      const double last_two =
-          std::min(floored_[s + 2] * inverse[s + 2], floored_[s + 3] * inverse[s + 3]);
-      ratio = std::min(ratio, std::min(first_two, last_two));
-    }
-    greatest_drop = std::min(greatest_drop, ratio * gains_[i]);
-  }
-  return dot(belief, corners_.data(), stride) + greatest_drop;
-}
-
-std::size_t SawtoothSet::sizeInBytes() const
-{
-  return sizeof(*this) +
-         (corners_.capacity() + floored_.capacity() + inverse_.capacity() + gains_.capacity()) *
-             sizeof(double);
+  return sizeof(*this) + values_.capacity() * sizeof(double) + sums_.capacity() * sizeof(PartSums) +
+         alive_.capacity() +
+         (actions_.capacity() + numbers_.capacity() + row_of_.capacity() +
+          replacement_.capacity()) *
+             sizeof(std::uint32_t);
 }
 
 }  // namespace kr3::pomdp
