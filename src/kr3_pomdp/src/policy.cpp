@@ -2,13 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <istream>
 #include <limits>
 #include <map>
 #include <numeric>
-#include <ostream>
-#include <sstream>
 
 #include <kr3_common/error.hpp>
 
@@ -17,9 +13,6 @@ namespace kr3::pomdp
 
 namespace
 {
-
-constexpr const char* kMagic = "kr3_policy";
-constexpr int kVersion = 1;
 
 void check(std::size_t num_states, const AlphaVector& vector, std::size_t number)
 {
@@ -179,102 +172,6 @@ Policy::Choice Policy::bestAt(const Belief& belief) const
     }
   }
   return best;
-}
-
-void Policy::write(std::ostream& out) const
-{
-  const auto number = [&out](double value) {
-    char text[32];
-    std::snprintf(text, sizeof(text), " %.17g", value);
-    out << text;
-  };
-  out << kMagic << ' ' << kVersion << "\nstates " << num_states_ << "\nvectors "
-      << num_alpha_vectors_ << '\n';
-  for (const AlphaVector& vector : alphaVectors())
-  {
-    out << vector.action << ' ' << vector.states.size();
-    for (const std::uint32_t state : vector.states)
-    {
-      out << ' ' << state;
-    }
-    std::for_each(vector.values.begin(), vector.values.end(), number);
-    out << '\n';
-  }
-}
-
-Policy Policy::read(std::istream& in, const std::string& name)
-{
-  int line_number = 0;
-  const auto fail = [&](const std::string& what) {
-    throw InvalidArgument(name + ":" + std::to_string(line_number) + ": " + what);
-  };
-  const auto nextLine = [&](const std::string& expected) {
-    std::string line;
-    ++line_number;
-    if (!std::getline(in, line))
-    {
-      fail("found the end, expected " + expected);
-    }
-    return std::istringstream(line);
-  };
-  const auto header = [&](const std::string& key) {
-    std::istringstream line = nextLine("'" + key + "' and a number");
-    std::string found;
-    std::size_t value = 0;
-    if (!(line >> found >> value) || found != key)
-    {
-      fail("found '" + line.str() + "', expected '" + key + "' and a number");
-    }
-    return value;
-  };
-  if (header(kMagic) != static_cast<std::size_t>(kVersion))
-  {
-    fail("unknown version, expected " + std::to_string(kVersion));
-  }
-  const std::size_t num_states = header("states");
-  const std::size_t num_vectors = header("vectors");
-  std::vector<AlphaVector> vectors;
-  for (std::size_t i = 0; i < num_vectors; ++i)
-  {
-    std::istringstream line = nextLine("an alpha vector");
-    AlphaVector vector;
-    std::size_t count = 0;
-    if (!(line >> vector.action >> count) || count > num_states)
-    {
-      fail("expected an action, a number of states, the states and their values");
-    }
-    vector.states.resize(count);
-    for (std::uint32_t& state : vector.states)
-    {
-      line >> state;
-    }
-    vector.values.resize(count == 0 ? num_states : count);
-    for (double& value : vector.values)
-    {
-      std::string text;
-      line >> text;
-      char* end = nullptr;
-      value = std::strtod(text.c_str(), &end);
-      if (!line || *end != '\0')
-      {
-        fail("found '" + text + "', expected " + std::to_string(vector.values.size()) + " values");
-      }
-    }
-    std::string rest;
-    if (line >> rest)
-    {
-      fail("found '" + rest + "' after the last value");
-    }
-    vectors.push_back(std::move(vector));
-  }
-  try
-  {
-    return Policy(num_states, vectors);
-  }
-  catch (const InvalidArgument& e)
-  {
-    throw InvalidArgument(name + ": " + e.what());
-  }
 }
 
 }  // namespace kr3::pomdp

@@ -1,11 +1,10 @@
 #include "pomdpx_parameter.hpp"
 
 #include <algorithm>
-#include <cctype>
-#include <cstdlib>
 #include <string_view>
 
 #include "file_tolerance.hpp"
+#include "number_text.hpp"
 
 namespace kr3::pomdp
 {
@@ -22,7 +21,7 @@ std::string named(const pugi::xml_node& element)
 
 }  // namespace
 
-PomdpxParameter::PomdpxParameter(const PomdpxText& text, const FactoredModel& model,
+PomdpxParameter::PomdpxParameter(const XmlText& text, const FactoredModel& model,
                                  const std::map<std::string, VariableRef>& names, Factor& factor)
   : text_(text), model_(model), names_(names), factor_(factor), scope_(factor.parents)
 {
@@ -80,7 +79,7 @@ void PomdpxParameter::set(const Box& box, const Value& value)
   }
 }
 
-std::size_t PomdpxParameter::valueOf(const PomdpxWord& word, std::size_t place) const
+std::size_t PomdpxParameter::valueOf(const XmlWord& word, std::size_t place) const
 {
   const std::vector<std::string>& values = variable(place).values;
   const auto found = std::find(values.begin(), values.end(), word.text);
@@ -88,9 +87,7 @@ std::size_t PomdpxParameter::valueOf(const PomdpxWord& word, std::size_t place) 
   {
     return static_cast<std::size_t>(found - values.begin());
   }
-  const bool digits = std::all_of(word.text.begin(), word.text.end(),
-                                  [](unsigned char c) { return std::isdigit(c) != 0; });
-  const unsigned long index = digits ? std::strtoul(word.text.c_str(), nullptr, 10) : values.size();
+  const std::size_t index = indexNumber(word.text).value_or(values.size());
   if (index >= values.size())
   {
     text_.fail(word, "a value of '" + variable(place).name + "', '*' or '-'");
@@ -116,7 +113,7 @@ void PomdpxParameter::table(const pugi::xml_node& parameter)
 void PomdpxParameter::entry(const pugi::xml_node& element)
 {
   const pugi::xml_node instance = text_.child(element, "Instance");
-  const std::vector<PomdpxWord> words = PomdpxText::words(instance);
+  const std::vector<XmlWord> words = XmlText::words(instance);
   if (words.size() != scope_.size())
   {
     text_.fail(instance, std::to_string(words.size()) + " values",
@@ -141,7 +138,7 @@ void PomdpxParameter::entry(const pugi::xml_node& element)
   // The format's documentation has rewards in either element.
   pugi::xml_node numbers = element.child(rewards ? "ValueTable" : "ProbTable");
   numbers = numbers ? numbers : text_.child(element, "ProbTable");
-  const std::vector<PomdpxWord> given = PomdpxText::words(numbers);
+  const std::vector<XmlWord> given = XmlText::words(numbers);
   if (!rewards && given.size() == 1 && given.front().text == "uniform")
   {
     set(box, [this](const std::vector<std::size_t>&) {
@@ -167,7 +164,7 @@ void PomdpxParameter::entry(const pugi::xml_node& element)
                std::to_string(expected) + ", one for each combination of '-'");
   }
   std::vector<double> values;
-  for (const PomdpxWord& word : given)
+  for (const XmlWord& word : given)
   {
     values.push_back(text_.number(word));
     if (!rewards && !(values.back() >= 0.0 && values.back() <= 1.0 + kFileSumTolerance))
@@ -228,7 +225,7 @@ void PomdpxParameter::branch(const pugi::xml_node& parent, Box& box, int depth)
     }
     else if (kind == "Terminal")
     {
-      const std::vector<PomdpxWord> words = PomdpxText::words(child);
+      const std::vector<XmlWord> words = XmlText::words(child);
       if (words.size() != 1)
       {
         text_.fail(child, std::to_string(words.size()) + " words", "one number");

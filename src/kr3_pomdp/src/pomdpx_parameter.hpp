@@ -16,7 +16,7 @@ class PomdpxParameter
 {
 public:
   /// @param names  by the name in the file
-  PomdpxParameter(const PomdpxText& text, const FactoredModel& model,
+  PomdpxParameter(const XmlText& text, const FactoredModel& model,
                   const std::map<std::string, VariableRef>& names, Factor& factor);
 
   void fill(const pugi::xml_node& parameter);
@@ -41,11 +41,11 @@ private:
   {
     return model_.variable(scope_[place]);
   }
-  [[nodiscard]] std::size_t valueOf(const PomdpxWord& word, std::size_t place) const;
+  [[nodiscard]] std::size_t valueOf(const XmlWord& word, std::size_t place) const;
   /// Place in the scope of the variable that an attribute names.
   [[nodiscard]] std::size_t placeOf(const pugi::xml_node& element) const;
 
-  const PomdpxText& text_;
+  const XmlText& text_;
   const FactoredModel& model_;
   const std::map<std::string, VariableRef>& names_;
   Factor& factor_;

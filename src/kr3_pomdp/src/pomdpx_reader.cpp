@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <istream>
-#include <iterator>
+#include <string_view>
 #include <utility>
 
 #include <kr3_common/error.hpp>
 
+#include "file_text.hpp"
 #include "file_tolerance.hpp"
 #include "kr3_pomdp/pomdp_format.hpp"
 #include "kr3_pomdp/pomdpx_format.hpp"
@@ -24,133 +22,12 @@ namespace
 
 constexpr std::size_t kMaxValues = 1000000;
 
-bool isBlank(char c)
+std::string quoted(std::string_view text)
 {
-  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
-}
-
-std::string quoted(const std::string& text)
-{
-  return "'" + text + "'";
-}
-
-std::string readAll(std::istream& in)
-{
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-std::string readFile(const std::string& path)
-{
-  std::ifstream in(path, std::ios::binary);
-  if (!in)
-  {
-    throw Unavailable("cannot open '" + path + "'");
-  }
-  return readAll(in);
+  return "'" + std::string(text) + "'";
 }
 
 }  // namespace
-
-PomdpxText::PomdpxText(std::string text, std::string name)
-  : text_(std::move(text)), name_(std::move(name))
-{
-  const pugi::xml_parse_result result =
-      document_.load_buffer(text_.data(), text_.size(), pugi::parse_default, pugi::encoding_utf8);
-  if (!result)
-  {
-    fail(result.offset, result.description(), "well-formed XML");
-  }
-}
-
-void PomdpxText::fail(std::ptrdiff_t offset, const std::string& found,
-                      const std::string& expected) const
-{
-  const std::size_t end =
-      std::min(static_cast<std::size_t>(std::max<std::ptrdiff_t>(offset, 0)), text_.size());
-  const std::size_t line =
-      1 + static_cast<std::size_t>(
-              std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
-  const std::size_t line_start = end == 0 ? std::string::npos : text_.rfind('\n', end - 1);
-  const std::size_t column = line_start == std::string::npos ? end + 1 : end - line_start;
-  throw InvalidArgument(name_ + ":" + std::to_string(line) + ":" + std::to_string(column) +
-                        ": found " + found + ", expected " + expected);
-}
-
-void PomdpxText::fail(const pugi::xml_node& at, const std::string& found,
-                      const std::string& expected) const
-{
-  fail(at.offset_debug() - 1, found, expected);  // from the name to its bracket
-}
-
-void PomdpxText::fail(const PomdpxWord& at, const std::string& expected) const
-{
-  fail(at.offset, quoted(at.text), expected);
-}
-
-std::vector<PomdpxWord> PomdpxText::words(const pugi::xml_node& element)
-{
-  std::vector<PomdpxWord> words;
-  for (const pugi::xml_node& child : element.children())
-  {
-    if (child.type() != pugi::node_pcdata && child.type() != pugi::node_cdata)
-    {
-      continue;
-    }
-    const char* const begin = child.value();
-    const char* at = begin;
-    while (true)
-    {
-      while (isBlank(*at))
-      {
-        ++at;
-      }
-      const char* const first = at;
-      while (*at != '\0' && !isBlank(*at))
-      {
-        ++at;
-      }
-      if (first == at)
-      {
-        break;
-      }
-      words.push_back({{first, at}, child.offset_debug() + (first - begin)});
-    }
-  }
-  return words;
-}
-
-pugi::xml_node PomdpxText::child(const pugi::xml_node& parent, const char* name) const
-{
-  const pugi::xml_node found = parent.child(name);
-  if (!found)
-  {
-    fail(parent, std::string("<") + parent.name() + "> without it",
-         std::string("a <") + name + "> inside");
-  }
-  return found;
-}
-
-std::string PomdpxText::attribute(const pugi::xml_node& element, const char* name) const
-{
-  const std::string value = element.attribute(name).value();
-  if (value.empty())
-  {
-    fail(element, std::string("<") + element.name() + "> without it",
-         std::string("an attribute '") + name + "'");
-  }
-  return value;
-}
-
-double PomdpxText::number(const PomdpxWord& word) const
-{
-  char* end = nullptr;
-  const double value = std::strtod(word.text.c_str(), &end);
-  if (*end != '\0' || !std::isfinite(value))
-  {
-    fail(word, "a number");
-  }
-  return value;
-}
 
 FactoredModel PomdpxReader::read()
 {
@@ -160,7 +37,7 @@ FactoredModel PomdpxReader::read()
     text_.fail(root, std::string("<") + root.name() + ">", "<pomdpx>");
   }
   const pugi::xml_node discount = text_.child(root, "Discount");
-  const std::vector<PomdpxWord> words = PomdpxText::words(discount);
+  const std::vector<XmlWord> words = XmlText::words(discount);
   if (words.size() != 1)
   {
     text_.fail(discount, std::to_string(words.size()) + " words", "one number");
@@ -216,7 +93,7 @@ Variable PomdpxReader::variable(const pugi::xml_node& element, const char* name_
   result.name = text_.attribute(element, name_attribute);
   if (const pugi::xml_node count = element.child("NumValues"))
   {
-    const std::vector<PomdpxWord> words = PomdpxText::words(count);
+    const std::vector<XmlWord> words = XmlText::words(count);
     const double number = words.size() == 1 ? text_.number(words.front()) : 0.0;
     if (!(number >= 1.0 && number <= kMaxValues) || number != std::floor(number))
     {
@@ -229,13 +106,13 @@ Variable PomdpxReader::variable(const pugi::xml_node& element, const char* name_
     }
     return result;
   }
-  for (const PomdpxWord& word : PomdpxText::words(text_.child(element, "ValueEnum")))
+  for (const XmlWord& word : XmlText::words(text_.child(element, "ValueEnum")))
   {
     if (std::find(result.values.begin(), result.values.end(), word.text) != result.values.end())
     {
       text_.fail(word, "a value that " + quoted(result.name) + " does not have yet");
     }
-    result.values.push_back(word.text);
+    result.values.emplace_back(word.text);
   }
   if (result.values.empty())
   {
@@ -294,9 +171,9 @@ void PomdpxReader::variables(const pugi::xml_node& element)
 std::vector<VariableRef> PomdpxReader::references(const pugi::xml_node& element) const
 {
   std::vector<VariableRef> refs;
-  for (const PomdpxWord& word : PomdpxText::words(element))
+  for (const XmlWord& word : XmlText::words(element))
   {
-    const auto found = names_.find(word.text);
+    const auto found = names_.find(std::string(word.text));
     if (found != names_.end())
     {
       refs.push_back(found->second);
@@ -327,7 +204,7 @@ std::vector<Factor> PomdpxReader::factors(const pugi::xml_node& section, bool re
     const pugi::xml_node var = text_.child(child, "Var");
     if (rewards)
     {
-      for (const PomdpxWord& word : PomdpxText::words(var))
+      for (const XmlWord& word : XmlText::words(var))
       {
         if (std::find(reward_names_.begin(), reward_names_.end(), word.text) == reward_names_.end())
         {
@@ -353,7 +230,7 @@ std::vector<Factor> PomdpxReader::factors(const pugi::xml_node& section, bool re
 
 FactoredModel readPomdpx(std::istream& in, const std::string& name)
 {
-  return PomdpxReader(readAll(in), name).read();
+  return PomdpxReader(readAll(in, name), name).read();
 }
 
 FactoredModel loadPomdpx(const std::string& path)
@@ -364,8 +241,7 @@ FactoredModel loadPomdpx(const std::string& path)
 Model loadModel(const std::string& path)
 {
   std::string text = readFile(path);
-  const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-  if (first == std::string::npos || text[first] != '<')
+  if (!looksLikeXml(text))
   {
     return loadPomdp(path);
   }

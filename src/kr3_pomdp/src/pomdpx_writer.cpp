@@ -1,12 +1,11 @@
+#include "pomdpx_writer.hpp"
+
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <ostream>
 #include <set>
 #include <string>
 #include <vector>
-
-#include <kr3_common/error.hpp>
 
 #include "kr3_pomdp/pomdpx_format.hpp"
 
@@ -16,197 +15,159 @@ namespace kr3::pomdp
 namespace
 {
 
-std::string exact(double value)
+template <typename NameOf>
+std::vector<std::string> namesOf(std::size_t count, const NameOf& name_of)
 {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.17g", value);
-  return text;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    names.push_back(name_of(i));
+  }
+  return pomdpxNames(names);
 }
 
-/// One element a line.
-class Writer
+/// A flat model as one state variable.
+class FlatWriter
 {
 public:
-  Writer(std::ostream& out, const Model& model) : out_(out), model_(model)
+  FlatWriter(std::ostream& out, const Model& model)
+    : xml_(out, model.discount())
+    , model_(model)
+    , labels_(model.initialLabels().begin(), model.initialLabels().end())
+    , states_(namesOf(model.numStates(), [&](std::size_t i) { return model.stateName(i); }))
+    , actions_(namesOf(model.numActions(), [&](std::size_t i) { return model.actionName(i); }))
+    , observations_(
+          namesOf(model.numObservations(), [&](std::size_t i) { return model.observationName(i); }))
   {
-    for (const std::uint32_t label : model.initialLabels())
-    {
-      labels_.insert(label);
-    }
   }
 
   void write()
   {
-    out_ << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<pomdpx version=\"1.0\" id=\"model\">\n"
-         << "<Discount>" << exact(model_.discount()) << "</Discount>\n";
     variables();
     initialBelief();
     transitions();
     observations();
     rewards();
-    out_ << "</pomdpx>\n";
+    xml_.end();
   }
 
 private:
   [[nodiscard]] bool sees() const { return labels_.size() > 1; }
 
-  template <typename NameOf>
-  void values(std::size_t count, const NameOf& name_of)
-  {
-    out_ << "<ValueEnum>";
-    for (std::size_t i = 0; i < count; ++i)
-    {
-      const std::string& name = name_of(i);
-      if (name.find_first_of(" \t\r\n<>&*") != std::string::npos || name == "-")
-      {
-        throw InvalidArgument("the name '" + name +
-                              "' cannot be written to a .pomdpx file, expected no blank, '<', "
-                              "'>', '&' or '*'");
-      }
-      out_ << (i == 0 ? "" : " ") << name;
-    }
-    out_ << "</ValueEnum>";
-  }
-
   void variables()
   {
-    out_ << "<Variable>\n<StateVar vnamePrev=\"state_0\" vnameCurr=\"state_1\">";
-    values(model_.numStates(),
-           [this](std::size_t i) -> const std::string& { return model_.stateName(i); });
-    out_ << "</StateVar>\n";
+    xml_.open("Variable");
+    xml_.stateVariable("state_0", "state_1", false, states_);
     if (sees())
     {
       // What is seen first; nothing afterwards.
-      out_ << "<StateVar vnamePrev=\"seen_0\" vnameCurr=\"seen_1\" fullyObs=\"true\"><ValueEnum>";
+      std::vector<std::string> seen;
       for (const std::uint32_t label : labels_)
       {
-        out_ << "first" << label << ' ';
+        seen.push_back("first" + std::to_string(label));
       }
-      out_ << "later</ValueEnum></StateVar>\n";
+      seen.emplace_back("later");
+      xml_.stateVariable("seen_0", "seen_1", true, seen);
     }
-    out_ << "<ActionVar vname=\"action\">";
-    values(model_.numActions(),
-           [this](std::size_t i) -> const std::string& { return model_.actionName(i); });
-    out_ << "</ActionVar>\n<ObsVar vname=\"observation\">";
-    values(model_.numObservations(),
-           [this](std::size_t i) -> const std::string& { return model_.observationName(i); });
-    out_ << "</ObsVar>\n<RewardVar vname=\"reward\"/>\n</Variable>\n";
-  }
-
-  void open(const char* var, const char* parent, bool reward = false)
-  {
-    out_ << (reward ? "<Func>" : "<CondProb>") << "<Var>" << var << "</Var><Parent>" << parent
-         << "</Parent><Parameter type=\"TBL\">\n";
-  }
-  void close(bool reward = false)
-  {
-    out_ << "</Parameter>" << (reward ? "</Func>\n" : "</CondProb>\n");
-  }
-  void entry(const std::string& instance, double value, bool reward = false)
-  {
-    out_ << "<Entry><Instance>" << instance << "</Instance>"
-         << (reward ? "<ValueTable>" : "<ProbTable>") << exact(value)
-         << (reward ? "</ValueTable>" : "</ProbTable>") << "</Entry>\n";
+    xml_.variable("ActionVar", "action", actions_);
+    xml_.variable("ObsVar", "observation", observations_);
+    xml_.rewardVariable("reward");
+    xml_.close("Variable");
   }
 
   void initialBelief()
   {
-    out_ << "<InitialStateBelief>\n";
-    if (sees())
-    {
-      open("state_0 seen_0", "null");
-    }
-    else
-    {
-      open("state_0", "null");
-    }
-    for (std::size_t s = 0; s < model_.numStates(); ++s)
+    xml_.open("InitialStateBelief");
+    xml_.openTable(false,
+                   sees() ? std::vector<std::string>{"state_0", "seen_0"}
+                          : std::vector<std::string>{"state_0"},
+                   {});
+    for (std::size_t s = 0; s < states_.size(); ++s)
     {
       if (model_.initialBelief()[s] > 0.0)
       {
         const std::string seen =
             sees() ? " first" + std::to_string(model_.initialLabels()[s]) : std::string();
-        entry(model_.stateName(s) + seen, model_.initialBelief()[s]);
+        xml_.entry(states_[s] + seen, {model_.initialBelief()[s]});
       }
     }
-    close();
-    out_ << "</InitialStateBelief>\n";
+    xml_.closeTable();
+    xml_.close("InitialStateBelief");
+  }
+
+  /// A table of rows by action and state.
+  template <typename RowOf>
+  void table(const char* of, const char* state, const std::vector<std::string>& columns,
+             const RowOf& row_of)
+  {
+    xml_.openTable(false, {of}, {"action", state});
+    for (std::size_t a = 0; a < actions_.size(); ++a)
+    {
+      for (std::size_t s = 0; s < states_.size(); ++s)
+      {
+        for (const SparseEntry& entry : row_of(a, s))
+        {
+          xml_.entry(actions_[a] + " " + states_[s] + " " + columns[entry.index],
+                     {entry.probability});
+        }
+      }
+    }
+    xml_.closeTable();
   }
 
   void transitions()
   {
-    out_ << "<StateTransitionFunction>\n";
-    open("state_1", "action state_0");
-    for (std::size_t a = 0; a < model_.numActions(); ++a)
-    {
-      for (std::size_t s = 0; s < model_.numStates(); ++s)
-      {
-        for (const SparseEntry& next : model_.transitions(a, s))
-        {
-          entry(
-              model_.actionName(a) + " " + model_.stateName(s) + " " + model_.stateName(next.index),
-              next.probability);
-        }
-      }
-    }
-    close();
+    xml_.open("StateTransitionFunction");
+    table("state_1", "state_0", states_,
+          [this](std::size_t a, std::size_t s) { return model_.transitions(a, s); });
     if (sees())
     {
-      open("seen_1", "null");
-      entry("later", 1.0);
-      close();
+      xml_.openTable(false, {"seen_1"}, {});
+      xml_.entry("later", {1.0});
+      xml_.closeTable();
     }
-    out_ << "</StateTransitionFunction>\n";
+    xml_.close("StateTransitionFunction");
   }
 
   void observations()
   {
-    out_ << "<ObsFunction>\n";
-    open("observation", "action state_1");
-    for (std::size_t a = 0; a < model_.numActions(); ++a)
-    {
-      for (std::size_t s = 0; s < model_.numStates(); ++s)
-      {
-        for (const SparseEntry& seen : model_.observations(a, s))
-        {
-          entry(model_.actionName(a) + " " + model_.stateName(s) + " " +
-                    model_.observationName(seen.index),
-                seen.probability);
-        }
-      }
-    }
-    close();
-    out_ << "</ObsFunction>\n";
+    xml_.open("ObsFunction");
+    table("observation", "state_1", observations_,
+          [this](std::size_t a, std::size_t s) { return model_.observations(a, s); });
+    xml_.close("ObsFunction");
   }
 
   void rewards()
   {
-    out_ << "<RewardFunction>\n";
-    open("reward", "action state_0", true);
-    for (std::size_t a = 0; a < model_.numActions(); ++a)
+    xml_.open("RewardFunction");
+    xml_.openTable(true, {"reward"}, {"action", "state_0"});
+    for (std::size_t a = 0; a < actions_.size(); ++a)
     {
-      for (std::size_t s = 0; s < model_.numStates(); ++s)
+      for (std::size_t s = 0; s < states_.size(); ++s)
       {
         if (model_.reward(a, s) != 0.0)
         {
-          entry(model_.actionName(a) + " " + model_.stateName(s), model_.reward(a, s), true);
+          xml_.entry(actions_[a] + " " + states_[s], {model_.reward(a, s)});
         }
       }
     }
-    close(true);
-    out_ << "</RewardFunction>\n";
+    xml_.closeTable();
+    xml_.close("RewardFunction");
   }
 
-  std::ostream& out_;
+  PomdpxElements xml_;
   const Model& model_;
   std::set<std::uint32_t> labels_;
+  std::vector<std::string> states_;
+  std::vector<std::string> actions_;
+  std::vector<std::string> observations_;
 };
 
 }  // namespace
 
 void writePomdpx(std::ostream& out, const Model& model)
 {
-  Writer(out, model).write();
+  FlatWriter(out, model).write();
 }
 
 }  // namespace kr3::pomdp

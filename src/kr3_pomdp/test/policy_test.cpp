@@ -68,14 +68,28 @@ TEST(Policy, ReadingNamesTheLine)
     }
     return std::string("no error");
   };
-  EXPECT_EQ(errorOf("hello 1\n"), "p:1: found 'hello 1', expected 'kr3_policy' and a number");
-  EXPECT_EQ(errorOf("kr3_policy 2\n"), "p:1: unknown version, expected 1");
-  EXPECT_EQ(errorOf("kr3_policy 1\nstates 2\nvectors 1\n0 0 1 x\n"),
-            "p:4: found 'x', expected 2 values");
-  EXPECT_EQ(errorOf("kr3_policy 1\nstates 2\nvectors 1\n"),
-            "p:4: found the end, expected an alpha vector");
-  EXPECT_EQ(errorOf("kr3_policy 1\nstates 2\nvectors 1\n0 0 1 2 3\n"),
-            "p:4: found '3' after the last value");
+  EXPECT_EQ(errorOf("hello 1\n"), "p:1:1: found 'hello', expected 'kr3_policy'");
+  EXPECT_EQ(errorOf("kr3_policy 2\n"), "p:1:12: found '2', expected version 1");
+  EXPECT_EQ(errorOf("kr3_policy 1\nstates many\n"),
+            "p:2:8: found 'many', expected a number below 4294967295");
+  const std::string head = "kr3_policy 1\nstates 2\nvectors 1\n";
+  EXPECT_EQ(errorOf(head + "0 0 1 x\n"), "p:4:7: found 'x', expected a value, 2 in all");
+  EXPECT_EQ(errorOf(head + "0 0 1 inf\n"), "p:4:7: found 'inf', expected a value, 2 in all");
+  EXPECT_EQ(errorOf(head + "0 0 1\n"),
+            "p:4:6: found the end of the line, expected a value, 2 in all");
+  EXPECT_EQ(errorOf(head), "p:4:1: found the end of the text, expected an action's index");
+  EXPECT_EQ(errorOf(head + "0 0 1 2 3\n"), "p:4:9: found '3', expected the end of the line");
+  EXPECT_EQ(errorOf(head + "0 0 1 2\n0 0 1 2\n"), "p:5:1: found '0', expected the end of the text");
+  EXPECT_EQ(errorOf(head + "0 3\n"),
+            "p:4:3: found '3', expected a number of states up to 2, 0 for "
+            "all");
+  EXPECT_EQ(errorOf(head + "0 2 1 0 5 5\n"),
+            "p:4:7: found '0', expected states in ascending order");
+  EXPECT_EQ(errorOf(head + "0 1 1 5\n"),
+            "p: found no vector over all states, expected one at least");
+  // A number of states that no memory holds is only a number until values follow.
+  EXPECT_EQ(errorOf("kr3_policy 1\nstates 4000000000\nvectors 4000000000\n0 0 1\n"),
+            "p:4:6: found the end of the line, expected a value, 4000000000 in all");
 }
 
 }  // namespace

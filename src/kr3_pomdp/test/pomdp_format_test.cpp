@@ -7,6 +7,7 @@
 
 #include <kr3_common/error.hpp>
 
+#include "kr3_pomdp/model_builder.hpp"
 #include "support/models.hpp"
 
 namespace kr3::pomdp
@@ -255,6 +256,25 @@ TEST(PomdpFormat, ReadingIsCancelled)
 TEST(PomdpFormat, AMissingFileIsUnavailable)
 {
   EXPECT_THROW((void)loadPomdp("/nowhere/model.pomdp"), Unavailable);
+}
+
+TEST(PomdpFormat, NumbersNamesThatOtherToolsCannotRead)
+{
+  ModelBuilder builder({"0,1", "1,1"}, {"go"}, {"a-b", "c_d"});
+  builder.setDiscount(0.5);
+  builder.setTransition(kAny, kAny, 0, 1.0);
+  builder.setObservation(kAny, kAny, 1, 1.0);
+  builder.setReward(0, 1, -0.25);
+  const Model model = builder.build();
+  std::stringstream text;
+  EXPECT_THROW(writePomdp(text, model), InvalidArgument);
+  text.str("");
+  EXPECT_EQ(writePomdpNumbered(text, model), std::vector<std::string>{"state"});
+  EXPECT_NE(text.str().find("# state 1: 1,1\n"), std::string::npos);
+  const Model copy = readPomdp(text, "copy");
+  EXPECT_EQ(copy.stateName(1), "1");
+  EXPECT_EQ(copy.observationName(0), "a-b");
+  EXPECT_EQ(copy.reward(0, 1), -0.25);
 }
 
 }  // namespace

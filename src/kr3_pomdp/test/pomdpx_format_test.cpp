@@ -8,6 +8,7 @@
 #include <kr3_common/error.hpp>
 
 #include "kr3_pomdp/solver.hpp"
+#include "support/factored_models.hpp"
 #include "support/models.hpp"
 
 namespace kr3::pomdp
@@ -250,6 +251,55 @@ TEST(PomdpxFormat, BrokenFilesAreRefused)
                  "<SubDAG type=\"template\" idref=\"t\"/></SubDAGTemplate>");
   circle.replace(circle.rfind("<Parameter>", at), 11, "<Parameter type=\"DD\">");
   EXPECT_NE(errorOf(circle).find("does a template use itself?"), std::string::npos);
+}
+
+TEST(PomdpxFormat, AModelInFactorsRoundTripsExactly)
+{
+  for (std::uint64_t seed = 1; seed <= 3; ++seed)
+  {
+    FactoredModel model = test::randomFactored(seed);
+    model.state[0].name = "place_0";
+    model.state[0].values = {"at<door>", "&elsewhere"};
+    model.rewards.push_back({{}, {}, {-0.1}});
+    std::stringstream text;
+    writePomdpx(text, model);
+    const FactoredModel copy = readPomdpx(text, "copy");
+    ASSERT_EQ(copy.state.size(), model.state.size());
+    for (std::size_t v = 0; v < model.state.size(); ++v)
+    {
+      EXPECT_EQ(copy.state[v].name, model.state[v].name);
+      EXPECT_EQ(copy.state[v].values, model.state[v].values);
+      EXPECT_EQ(copy.state[v].observed, model.state[v].observed);
+    }
+    const auto expectSameFactors = [](const std::vector<Factor>& a, const std::vector<Factor>& b) {
+      ASSERT_EQ(a.size(), b.size());
+      for (std::size_t f = 0; f < a.size(); ++f)
+      {
+        EXPECT_EQ(a[f].parents, b[f].parents);
+        EXPECT_EQ(a[f].of, b[f].of);
+        EXPECT_EQ(a[f].values, b[f].values);
+      }
+    };
+    expectSameFactors(copy.initial, model.initial);
+    expectSameFactors(copy.transitions, model.transitions);
+    expectSameFactors(copy.observing, model.observing);
+    expectSameFactors(copy.rewards, model.rewards);
+    expectSame(copy.flattened(), model.flattened());
+  }
+}
+
+TEST(PomdpxFormat, WritingRejectsNamesThatItCannotHold)
+{
+  std::ostringstream out;
+  FactoredModel model = test::randomFactored(1);
+  model.state[1].values[0] = "two words";
+  EXPECT_THROW(writePomdpx(out, model), InvalidArgument);
+  model = test::randomFactored(1);
+  model.actions[0].name = model.state[0].name;
+  EXPECT_THROW(writePomdpx(out, model), InvalidArgument);
+  model = test::randomFactored(1);
+  model.transitions[0].values.pop_back();
+  EXPECT_THROW(writePomdpx(out, model), InvalidArgument);
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <kr3_common/error.hpp>
 
 #include "kr3_pomdp/model_builder.hpp"
+#include "kr3_pomdp/solver.hpp"
+#include "support/factored_models.hpp"
 #include "support/models.hpp"
 
 namespace kr3::pomdp
@@ -54,6 +56,63 @@ TEST(Simulation, TheSameSeedGivesTheSameValue)
   limits.trials = 50;
   EXPECT_EQ(evaluate(model, policy, limits, 3).mean, evaluate(model, policy, limits, 3).mean);
   EXPECT_NE(evaluate(model, policy, limits, 3).mean, evaluate(model, policy, limits, 4).mean);
+}
+
+TEST(Simulation, TheNumberOfThreadsDoesNotShow)
+{
+  const Model model = test::roomSearch(2);
+  SolverLimits budget;
+  budget.max_backups = 500;
+  const Policy policy = solve(model, budget).policy;
+  EvaluationLimits limits;
+  limits.trials = 1000;
+  const Evaluation one = evaluate(model, policy, limits, 3);
+  for (const int num_threads : {2, 3, 16})
+  {
+    limits.num_threads = num_threads;
+    const Evaluation several = evaluate(model, policy, limits, 3);
+    EXPECT_EQ(several.mean, one.mean);
+    EXPECT_EQ(several.standard_error, one.standard_error);
+    EXPECT_EQ(several.mean_steps, one.mean_steps);
+    EXPECT_EQ(several.finished, one.finished);
+  }
+  EXPECT_EQ(one.finished, 1.0);
+  limits.num_threads = 0;
+  EXPECT_THROW((void)evaluate(model, policy, limits, 3), InvalidArgument);
+}
+
+// The walk remembers beliefs; tracking them step by step must give the same.
+TEST(Simulation, AgreesWithExactBeliefsStepByStep)
+{
+  const Model model = test::randomFactored(4).flattened();
+  SolverLimits budget;
+  budget.max_backups = 500;
+  const Policy policy = solve(model, budget).policy;
+  EvaluationLimits limits;
+  limits.trials = 20000;
+  const Evaluation value = evaluate(model, policy, limits, 7);
+  std::mt19937_64 random(9);
+  double sum = 0.0;
+  constexpr int kTrials = 2000;
+  for (int trial = 0; trial < kTrials; ++trial)
+  {
+    std::size_t state = sampleState(model.initialBelief(), random);
+    Belief belief = model.initialBelief();
+    for (const InitialOutcome& outcome : model.initialOutcomes())
+    {
+      belief = outcome.belief[state] > 0.0 ? outcome.belief : belief;
+    }
+    for (double weight = 1.0; weight > limits.truncation; weight *= model.discount())
+    {
+      const std::size_t action = policy.actionAt(belief);
+      sum += weight * model.reward(action, state);
+      const SampledStep step = sampleStep(model, state, action, random);
+      belief = updated(model, belief, action, step.observation).posterior;
+      state = step.next_state;
+    }
+  }
+  // Ten times fewer trials: the error is about three times as large.
+  EXPECT_NEAR(sum / kTrials, value.mean, 4.0 * 3.3 * value.standard_error);
 }
 
 TEST(Simulation, RejectsAPolicyOfAnotherModel)

@@ -2,57 +2,84 @@
 
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
-#include <fstream>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
-#include <kr3_common/error.hpp>
-
+#include "kr3_pomdp/policy_format.hpp"
 #include "kr3_pomdp/pomdpx_format.hpp"
 #include "kr3_pomdp/simulation.hpp"
+#include "tool.hpp"
+
+namespace
+{
+
+using namespace kr3::pomdp;
+
+struct Options
+{
+  std::string model;
+  std::string policy;
+  std::string format = "auto";
+  EvaluationLimits limits;
+  std::uint64_t seed = 1;
+};
+
+Policy load(const Options& options, const Model& model)
+{
+  if (options.format == "auto")
+  {
+    return loadPolicy(options.policy, model);
+  }
+  return loadPolicy(options.policy, model,
+                    options.format == "appl" ? PolicyFormat::kAppl : PolicyFormat::kKr3);
+}
+
+void run(const Options& options)
+{
+  const Model model = loadModel(options.model);
+  const Policy policy = load(options, model);
+  const Evaluation value = evaluate(model, policy, options.limits, options.seed);
+  std::printf(
+      "%.5f (95 %%: %.5f, %.5f), %llu trials of %.1f steps on average, %.1f %% of them finished\n",
+      value.mean, value.mean - value.half_width_95, value.mean + value.half_width_95,
+      static_cast<unsigned long long>(value.trials), value.mean_steps, 100.0 * value.finished);
+  double own = 0.0;
+  for (const InitialOutcome& outcome : model.initialOutcomes())
+  {
+    own += outcome.probability * policy.valueAt(outcome.belief);
+  }
+  // Of a policy of kr3_solve this is a lower bound; others promise nothing.
+  std::printf("the policy's own value: %.5f\n", own);
+}
+
+}  // namespace
 
 int main(int argc, char** argv)
 {
-  std::string model_path;
-  std::string policy_path;
-  kr3::pomdp::EvaluationLimits limits;
-  std::uint64_t seed = 1;
-  CLI::App app("Simulates a policy and prints the mean discounted return.");
-  app.add_option("model", model_path, "file in .pomdp or .pomdpx format")->required();
-  app.add_option("policy", policy_path, "file written by kr3_solve --policy")->required();
-  app.add_option("--trials", limits.trials, "number of trials")->capture_default_str();
-  app.add_option("--seed", seed, "seed of the random numbers")->capture_default_str();
-  app.add_option("--truncation", limits.truncation, "a trial ends when its discount is below this")
+  Options options;
+  CLI::App app(
+      "Simulates a policy and prints the mean discounted return. The same seed gives the same "
+      "result with any number of threads.");
+  app.add_option("model", options.model, "file in .pomdp or .pomdpx format")->required();
+  app.add_option("policy", options.policy, "file written by kr3_solve --policy, or by APPL")
+      ->required();
+  app.add_option("--trials", options.limits.trials, "number of trials")
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
-  try
-  {
-    using namespace kr3::pomdp;
-    const Model model = loadModel(model_path);
-    std::ifstream in(policy_path);
-    if (!in)
-    {
-      throw kr3::Unavailable("cannot open '" + policy_path + "'");
-    }
-    const Policy policy = Policy::read(in, policy_path);
-    const Evaluation value = evaluate(model, policy, limits, seed);
-    std::printf("%.5f (95 %%: %.5f, %.5f), %llu trials of %.1f steps on average\n", value.mean,
-                value.mean - value.half_width_95, value.mean + value.half_width_95,
-                static_cast<unsigned long long>(value.trials), value.mean_steps);
-    double lower = 0.0;
-    for (const InitialOutcome& outcome : model.initialOutcomes())
-    {
-      lower += outcome.probability * policy.valueAt(outcome.belief);
-    }
-    std::printf("the policy's own lower bound: %.5f\n", lower);
-  }
-  catch (const std::exception& e)
-  {
-    std::fprintf(stderr, "%s\n", e.what());
-    return EXIT_FAILURE;
-  }
-  return EXIT_SUCCESS;
+  app.add_option("--seed", options.seed, "seed of the random numbers")->capture_default_str();
+  app.add_option("--threads", options.limits.num_threads, "threads that simulate")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--truncation", options.limits.truncation,
+                 "a trial ends when its discount is below this")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option("--max-steps", options.limits.max_steps, "a trial ends after so many actions")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--format", options.format, "of the policy: auto, kr3 or appl")
+      ->check(CLI::IsMember({"auto", "kr3", "appl"}))
+      ->capture_default_str();
+  return tool::runTool(app, argc, argv, [&] { run(options); });
 }

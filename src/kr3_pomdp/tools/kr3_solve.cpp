@@ -2,81 +2,124 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
-#include <fstream>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
-#include <kr3_common/error.hpp>
-
+#include "kr3_pomdp/policy_format.hpp"
 #include "kr3_pomdp/pomdpx_format.hpp"
 #include "kr3_pomdp/solver.hpp"
 #include "solve_trace.hpp"
+#include "tool.hpp"
 
 namespace
 {
+
+using namespace kr3::pomdp;
+
+constexpr double kMebibyte = 1024.0 * 1024.0;
+
+volatile std::sig_atomic_t interrupted = 0;
 
 struct Options
 {
   std::string model;
   std::string policy;
+  std::string format = "kr3";
   std::string trace;
   double cpu_time_s = 0.0;
-  kr3::pomdp::SolverLimits limits;
+  double memory_mib = 0.0;
+  SolverLimits limits;
   bool quiet = false;
 };
 
-void printBounds(double elapsed_s, double lower, double upper, std::uint64_t backups,
-                 std::size_t num_vectors)
+/// The bounds over time, in columns.
+class Report
 {
-  std::printf("%8.3f s  [%.5f, %.5f]  gap %.5f  %llu backups  %zu vectors\n", elapsed_s, lower,
-              upper, upper - lower, static_cast<unsigned long long>(backups), num_vectors);
-  std::fflush(stdout);
-}
+public:
+  explicit Report(std::FILE* out) : out_(out) {}
+
+  void model(const Model& model, double load_cpu_s)
+  {
+    std::fprintf(out_, "%zu states, %zu actions, %zu observations, discount %g; loaded in %.3f s\n",
+                 model.numStates(), model.numActions(), model.numObservations(), model.discount(),
+                 load_cpu_s);
+    std::fprintf(out_, "%9s %9s %14s %14s %12s %10s %8s %8s\n", "time s", "CPU s", "lower", "upper",
+                 "gap", "backups", "vectors", "MiB");
+    std::fflush(out_);
+  }
+
+  void bounds(const SolverProgress& progress, double cpu_s)
+  {
+    std::fprintf(out_, "%9.3f %9.3f %14.6f %14.6f %12.6f %10llu %8zu %8.1f\n", progress.elapsed_s,
+                 cpu_s, progress.lower, progress.upper, progress.upper - progress.lower,
+                 static_cast<unsigned long long>(progress.backups), progress.num_alpha_vectors,
+                 static_cast<double>(progress.memory_bytes) / kMebibyte);
+    std::fflush(out_);
+  }
+
+  void stopped(const std::string& reason) { std::fprintf(out_, "stopped: %s\n", reason.c_str()); }
+
+private:
+  std::FILE* out_;
+};
 
 void run(const Options& options)
 {
-  using namespace kr3::pomdp;
+  // What cannot be written is known before the work.
+  std::optional<tool::OutputFile> output;
+  if (!options.policy.empty())
+  {
+    output.emplace(options.policy);
+  }
   const Model model = loadModel(options.model);
-  std::printf("%zu states, %zu actions, %zu observations, discount %g\n", model.numStates(),
-              model.numActions(), model.numObservations(), model.discount());
+  SolverLimits limits = options.limits;
+  limits.max_memory_bytes = static_cast<std::size_t>(options.memory_mib * kMebibyte);
+  Report report(options.policy == "-" ? stderr : stdout);
+  report.model(model, processCpuSeconds());
   SolveTrace trace(options.trace, model, processCpuSeconds());
+  std::signal(SIGINT, [](int) {
+    interrupted = 1;
+    std::signal(SIGINT, SIG_DFL);  // the second one ends the program
+  });
   bool out_of_cpu_time = false;
   double next_print_s = 0.05;
-  const SolveResult result = solve(model, options.limits, [&](const SolverProgress& progress) {
+  const SolveResult result = solve(model, limits, [&](const SolverProgress& progress) {
+    const double cpu_s = trace.cpuSeconds();
     const bool bounded = std::isfinite(progress.lower);
     if (bounded && !options.quiet && progress.elapsed_s >= next_print_s)
     {
-      printBounds(progress.elapsed_s, progress.lower, progress.upper, progress.backups,
-                  progress.num_alpha_vectors);
-      next_print_s = std::max(2.0 * next_print_s, progress.elapsed_s);
+      report.bounds(progress, cpu_s);
+      next_print_s = std::max(1.5 * next_print_s, progress.elapsed_s);
     }
-    const double cpu_s = trace.cpuSeconds();
     if (bounded)
     {
       trace.add(progress, cpu_s);
     }
     out_of_cpu_time = options.cpu_time_s > 0.0 && cpu_s >= options.cpu_time_s;
-    return !out_of_cpu_time;
+    return !out_of_cpu_time && interrupted == 0;
   });
-  const char* reason = out_of_cpu_time ? "CPU time limit" : toString(result.reason);
+  const std::string reason = out_of_cpu_time ? "CPU time limit" : toString(result.reason);
   trace.finish(result, reason);
-  printBounds(result.elapsed_s, result.lower, result.upper, result.backups,
-              result.policy.numAlphaVectors());
-  std::printf("stopped: %s; %.3f s CPU\n", reason, result.cpu_s);
-  if (!options.policy.empty())
+  report.bounds({result.lower, result.upper, result.backups, result.policy.numAlphaVectors(),
+                 result.elapsed_s, result.memory_bytes},
+                trace.cpuSeconds());
+  report.stopped(reason);
+  if (output)
   {
-    std::ofstream out(options.policy);
-    result.policy.write(out);
-    out.close();
-    if (!out)
+    if (options.format == "appl")
     {
-      throw kr3::Unavailable("cannot write '" + options.policy + "'");
+      writeApplPolicy(output->stream(), result.policy, model, options.model);
     }
+    else
+    {
+      result.policy.write(output->stream());
+    }
+    output->finish();
   }
 }
 
@@ -86,30 +129,36 @@ int main(int argc, char** argv)
 {
   Options options;
   options.limits.time_s = 60.0;
-  CLI::App app("Solves a POMDP and prints the bounds of the value at its initial belief.");
+  CLI::App app(
+      "Solves a POMDP and prints the bounds of the value at its initial belief. Ctrl-C stops and "
+      "keeps what was found.");
   app.add_option("model", options.model, "file in .pomdp or .pomdpx format")->required();
   app.add_option("--precision", options.limits.precision, "stop when the gap is below this")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--time", options.limits.time_s, "stop after so many seconds; 0 = no limit")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--cpu-time", options.cpu_time_s,
                  "stop after so many seconds of CPU time after loading; 0 = no limit")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--memory", options.memory_mib,
+                 "stop when the search holds so many MiB; 0 = no limit")
+      ->check(CLI::Range(0.0, 1e9))
       ->capture_default_str();
   app.add_option("--backups", options.limits.max_backups,
                  "stop after so many backups; 0 = no limit")
       ->capture_default_str();
-  app.add_option("--policy", options.policy, "file to write the policy to");
+  app.add_option("--threads", options.limits.num_threads, "threads that search")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--policy", options.policy,
+                 "file to write the policy to; - = the standard output, and the bounds to stderr");
+  app.add_option("--format", options.format, "of the policy: kr3 or appl")
+      ->check(CLI::IsMember({"kr3", "appl"}))
+      ->capture_default_str();
   app.add_option("--trace", options.trace, "file to write the bounds over time to, as JSON lines");
   app.add_flag("--quiet", options.quiet, "only the result");
-  CLI11_PARSE(app, argc, argv);
-  try
-  {
-    run(options);
-  }
-  catch (const std::exception& e)
-  {
-    std::fprintf(stderr, "%s\n", e.what());
-    return EXIT_FAILURE;
-  }
-  return EXIT_SUCCESS;
+  return tool::runTool(app, argc, argv, [&] { run(options); });
 }

@@ -61,10 +61,12 @@ public:
   /// @throws InvalidArgument  belief of another size
   [[nodiscard]] Choice bestAt(const Belief& belief) const;
 
-  /// Text of one vector per line; reading it back gives exactly the same policy.
+  /// Text of one vector per line; reading it back gives exactly the same policy. The layout is in
+  /// docs/pomdp_formats.md; policy_format.hpp has the other formats.
   void write(std::ostream& out) const;
   /// @param name  of the input, for messages
-  /// @throws InvalidArgument  malformed; the message says `name:line`
+  /// @throws InvalidArgument  malformed; the message says `name:line:column`; Unavailable  the
+  ///                          stream fails
   [[nodiscard]] static Policy read(std::istream& in, const std::string& name);
 
 private:

@@ -2,6 +2,7 @@
 
 #include <iosfwd>
 #include <string>
+#include <vector>
 
 #include "kr3_pomdp/model.hpp"
 #include "kr3_pomdp/read_options.hpp"
@@ -27,5 +28,11 @@ namespace kr3::pomdp
 /// @throws InvalidArgument  a name that the format cannot hold, or a model with several initial
 ///                          outcomes
 void writePomdp(std::ostream& out, const Model& model);
+
+/// Likewise, but where a name does not fit the format as other tools read it (a letter, then
+/// letters, digits, `_` and `-`), numbers stand for all names of its kind and comments say them.
+/// @return the kinds with numbers: "state", "action", "observation"
+/// @throws InvalidArgument  a model with several initial outcomes
+std::vector<std::string> writePomdpNumbered(std::ostream& out, const Model& model);
 
 }  // namespace kr3::pomdp

@@ -29,7 +29,14 @@ namespace kr3::pomdp
 /// Writes a flat model as one state variable, such that reading it gives the same values and
 /// probabilities to the last bit. What the robot sees before its first action becomes a second,
 /// seen variable.
+/// @throws InvalidArgument  a name that the format cannot hold
 void writePomdpx(std::ostream& out, const Model& model);
+
+/// Writes a model with its factors, as tables: reading it gives the same values, probabilities and
+/// variables; a state variable's name is its name before the action.
+/// @throws InvalidArgument  a name that the format cannot hold or that two variables have, a factor
+///                          of the wrong shape
+void writePomdpx(std::ostream& out, const FactoredModel& model);
 
 /// Reads either format: POMDPX where the file begins with `<`, else Cassandra's.
 /// @throws Unavailable  the file cannot be opened or read; InvalidArgument  malformed
