@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lanes.hpp"
 #include "multiversion.hpp"
 
 namespace kr3::pomdp
@@ -9,17 +10,7 @@ namespace kr3::pomdp
 
 KR3_POMDP_MULTIVERSION double dot(const PackedBelief& belief, const double* values)
 {
-  std::array<double, kLanes> sums{};
-  for (std::size_t k = 0; k < belief.num_blocks; ++k)
-  {
-    const double* weights = belief.values + k * kLanes;
-    const double* block = values + belief.blocks[k] * kLanes;
-    for (std::size_t lane = 0; lane < kLanes; ++lane)
-    {
-      sums[lane] += weights[lane] * block[lane];
-    }
-  }
-  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+  return dotLanes(belief, values);
 }
 
 void UnpackedBelief::reset(std::size_t num_states)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "lanes.hpp"
 #include "multiversion.hpp"
 
 namespace kr3::pomdp
@@ -29,12 +30,7 @@ struct Points
 /// Whether some part has less than `ratio` times what it has in the point: then so does a state.
 inline bool lacksPart(const PartSums& belief, const PartSums& point, float ratio)
 {
-  int lacks = 0;
-  for (std::size_t part = 0; part < kParts; ++part)
-  {
-    lacks |= static_cast<int>(belief[part] < ratio * point[part]);
-  }
-  return lacks != 0;
+  return anyLess(lanesAt(belief), ratio * lanesAt(point));
 }
 
 /// min over the point's states of belief / point; or something below `least`, when it is below.
@@ -42,14 +38,8 @@ inline double ratioAbove(const double* belief, const PackedBelief& point, double
 {
   for (std::size_t k = 0; k < point.num_blocks; ++k)
   {
-    const double* of_belief = belief + point.blocks[k] * kLanes;
-    const double* of_point = point.values + k * kLanes;
-    int below = 0;
-    for (std::size_t lane = 0; lane < kLanes; ++lane)
-    {
-      below |= static_cast<int>(of_belief[lane] < least * of_point[lane]);
-    }
-    if (below != 0)
+    if (anyLess(lanesAt(belief + point.blocks[k] * kLanes),
+                least * lanesAt(point.values + k * kLanes)))
     {
       return -1.0;
     }

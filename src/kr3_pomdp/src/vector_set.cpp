@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "lanes.hpp"
 #include "multiversion.hpp"
 
 namespace kr3::pomdp
@@ -36,14 +37,7 @@ PartSums partSums(const double* values, std::size_t size)
 
 inline Relation relation(const PartSums& a, const PartSums& b)
 {
-  int above = 0;
-  int below = 0;
-  for (std::size_t part = 0; part < kParts; ++part)
-  {
-    above |= static_cast<int>(a[part] > b[part]);
-    below |= static_cast<int>(a[part] < b[part]);
-  }
-  return {above == 0, below == 0};
+  return {!anyLess(lanesAt(b), lanesAt(a)), !anyLess(lanesAt(a), lanesAt(b))};
 }
 
 /// Whether no entry of `upper` is below its entry of `lower`.
@@ -51,12 +45,7 @@ inline bool dominates(const double* upper, const double* lower, std::size_t size
 {
   for (std::size_t s = 0; s < size; s += kLanes)
   {
-    int below = 0;
-    for (std::size_t lane = 0; lane < kLanes; ++lane)
-    {
-      below |= static_cast<int>(upper[s + lane] < lower[s + lane]);
-    }
-    if (below != 0)
+    if (anyLess(lanesAt(upper + s), lanesAt(lower + s)))
     {
       return false;
     }
@@ -114,20 +103,7 @@ KR3_POMDP_MULTIVERSION void findBest(const PackedBelief& belief, const double* r
     {
       continue;
     }
-    const double* row = rows + i * stride;
-    // Separate sums, because the compiler may not reorder one.
-    double sums[kLanes] = {};
-    for (std::size_t k = 0; k < belief.num_blocks; ++k)
-    {
-      const double* weights = belief.values + k * kLanes;
-      const double* block = row + belief.blocks[k] * kLanes;
-      for (std::size_t lane = 0; lane < kLanes; ++lane)
-      {
-        sums[lane] += weights[lane] * block[lane];
-      }
-    }
-    const double value =
-        ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
+    const double value = dotLanes(belief, rows + i * stride);
     if (value > best.value)
     {
       best = {value, i};
