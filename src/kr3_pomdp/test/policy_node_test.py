@@ -1,157 +1,231 @@
 #!/usr/bin/python3
-"""Contract of policy_node: it solves, answers, reports progress, refuses bad input and survives it."""
+"""Contract of policy_node's action: it solves, reports, queues, is preempted, and survives bad input."""
+import os
+import signal
 import subprocess
+import sys
+import time
 import unittest
 
-import actionlib
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from kr3_msgs.msg import SolveAction, SolveGoal, Status
-from kr3_msgs.srv import GetPolicyAction, UpdateBelief
+from kr3_msgs.msg import SolveFeedback, Status
+from policy_node_support import SWITCH_POMDPX, TIGER, Goal, Services, maze, uniform
 
-TIGER = """
-discount: 0.95
-values: reward
-states: left right
-actions: listen open_left open_right
-observations: hear_left hear_right
-T: listen identity
-T: open_left uniform
-T: open_right uniform
-O: listen
-0.85 0.15
-0.15 0.85
-O: open_left uniform
-O: open_right uniform
-R: listen : * : * : * -1
-R: open_left : left : * : * -100
-R: open_left : right : * : * 10
-R: open_right : left : * : * 10
-R: open_right : right : * : * -100
+VANISHING_CLIENT = """
+import os, sys
+import rospy
+sys.path.insert(0, {directory!r})
+from policy_node_support import Goal, maze
+from kr3_msgs.msg import SolveFeedback
+rospy.init_node("vanishing_client")
+goal = Goal(model=maze(41), precision=1e-9)
+goal.wait_for_phase(SolveFeedback.SOLVING)
+rospy.signal_shutdown("going")
 """
-
-
-def maze(size: int) -> str:
-    """A model that stays unsolved for long: a noisy ring of `size` places, all but one looking alike."""
-    lines = ["discount: 0.99", "values: reward", f"states: {size}", "actions: 3", "observations: 2"]
-    for s in range(size):
-        for a, (left, right) in enumerate([(0.6, 0.2), (0.2, 0.6), (0.1, 0.1)]):
-            lines.append(f"T: {a} : {s} : {(s - 1) % size} {left}")
-            lines.append(f"T: {a} : {s} : {(s + 1) % size} {right}")
-            lines.append(f"T: {a} : {s} : {s} {1 - left - right:.3f}")
-        seen = 0.5 + 0.4 * ((s * s) % 7 == 1)
-        lines.append(f"O: * : {s} : 0 {seen}")
-        lines.append(f"O: * : {s} : 1 {1 - seen:.3f}")
-        lines.append(f"R: 2 : {s} : * : * {10 if s == 0 else -1}")
-    return "\n".join(lines) + "\n"
 
 
 class PolicyNodeTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.client = actionlib.SimpleActionClient("pomdp/solve", SolveAction)
-        if not cls.client.wait_for_server(rospy.Duration(20)):
-            raise RuntimeError("pomdp/solve did not come up")
-        rospy.wait_for_service("pomdp/get_action", timeout=20)
-        rospy.wait_for_service("pomdp/update_belief", timeout=20)
-        get_action = rospy.ServiceProxy("pomdp/get_action", GetPolicyAction)
-        update_belief = rospy.ServiceProxy("pomdp/update_belief", UpdateBelief)
-        cls.get_action = staticmethod(
-            lambda policy, belief: get_action(policy_id=policy, belief=belief)
-        )
-        cls.update_belief = staticmethod(
-            lambda policy, belief, action, observation: update_belief(
-                policy_id=policy, belief=belief, action=action, observation=observation
-            )
-        )
+        cls.services = Services()
 
     def solve(self, **fields):
-        self.client.send_goal(SolveGoal(**{"format": "pomdp", **fields}))
-        self.assertTrue(self.client.wait_for_result(rospy.Duration(40)))
-        return self.client.get_result()
+        return Goal(**fields).result()
+
+    def code_of(self, **fields) -> int:
+        return self.solve(**fields).status.code
 
     def test_solves_and_answers(self):
-        result = self.solve(model=TIGER, precision=0.001)
+        result = self.solve(format="pomdp", model=TIGER, precision=0.001)
         self.assertEqual(result.status.code, Status.OK, result.status.message)
         self.assertLessEqual(result.lower_bound, result.upper_bound)
         self.assertAlmostEqual(result.lower_bound, 19.37, delta=0.01)
-        action = self.get_action(result.policy_id, [0.5, 0.5])
+        self.assertEqual(result.stop_reason, "precision")
+        self.assertGreater(result.num_alpha_vectors, 0)
+        policy = result.policy_id
+        action = self.services.get_action(policy_id=policy, belief=[0.5, 0.5])
         self.assertEqual((action.status.code, action.action), (Status.OK, "listen"))
         self.assertAlmostEqual(action.value, 19.37, delta=0.01)
-        self.assertEqual(self.get_action(result.policy_id, [0.99, 0.01]).action, "open_right")
-        update = self.update_belief(result.policy_id, [0.5, 0.5], "listen", "hear_left")
+        action = self.services.get_action(policy_id=policy, belief=[0.99, 0.01])
+        self.assertEqual(action.action, "open_right")
+        update = self.services.update_belief(
+            policy_id=policy, belief=[0.5, 0.5], action="listen", observation="hear_left"
+        )
         self.assertEqual(update.status.code, Status.OK)
         self.assertAlmostEqual(update.belief[0], 0.85)
         self.assertAlmostEqual(update.probability, 0.5)
 
+    def test_reads_pomdpx_and_finds_the_format_out(self):
+        result = self.solve(model=SWITCH_POMDPX, precision=0.01)
+        self.assertEqual(result.status.code, Status.OK, result.status.message)
+        self.assertEqual(self.code_of(model=SWITCH_POMDPX, format="pomdpx", precision=0.01), 0)
+        wrong = self.solve(model=SWITCH_POMDPX.replace("0.7 0.3", "0.7 0.4"))
+        self.assertEqual(wrong.status.code, Status.INVALID_ARGUMENT)
+        self.assertIn("model", wrong.status.message)
+        self.assertEqual(
+            self.code_of(model=SWITCH_POMDPX, format="pomdp"), Status.INVALID_ARGUMENT
+        )
+
     def test_remembers_by_content(self):
         first = self.solve(model=TIGER, precision=0.005)
         again = self.solve(model=TIGER, precision=0.005)
-        other = self.solve(model=TIGER, precision=0.006)
         self.assertTrue(again.cached)
         self.assertEqual(again.policy_id, first.policy_id)
-        self.assertFalse(other.cached)
-        self.assertNotEqual(other.policy_id, first.policy_id)
+        # A solution that is precise enough answers, one that is not does not.
+        rougher = self.solve(model=TIGER, precision=0.5)
+        self.assertTrue(rougher.cached)
+        self.assertLessEqual(rougher.upper_bound - rougher.lower_bound, 0.5)
+        finer = self.solve(model=TIGER, precision=1e-7)
+        self.assertFalse(finer.cached)
+        self.assertNotEqual(finer.policy_id, first.policy_id)
+        self.assertFalse(self.solve(model=TIGER, precision=0.5, ignore_cache=True).cached)
+
+    def test_counted_work_repeats_exactly(self):
+        fields = {"model": maze(12), "precision": 1e-9, "max_backups": 300}
+        first = self.solve(**fields)
+        self.assertEqual(first.stop_reason, "backup limit")
+        self.assertEqual(first.backups, 300)
+        again = self.solve(ignore_cache=True, **fields)
+        self.assertFalse(again.cached)
+        self.assertEqual(
+            (again.lower_bound, again.upper_bound, again.policy_id),
+            (first.lower_bound, first.upper_bound, first.policy_id),
+        )
+
+    def test_keeps_limits_of_time_and_memory(self):
+        result = self.solve(model=maze(42), precision=1e-9, time_limit=rospy.Duration(0.5))
+        self.assertEqual(result.stop_reason, "time limit")
+        self.assertLess(result.wall_s, 2.0)
+        result = self.solve(model=maze(43), precision=1e-9, max_memory_bytes=1 << 20)
+        self.assertEqual(result.stop_reason, "memory limit")
+        for fields in [{"num_threads": 1000}, {"max_memory_bytes": 1 << 50}]:
+            self.assertEqual(self.code_of(model=TIGER, **fields), Status.INVALID_ARGUMENT)
 
     def test_preemption_returns_the_policy_so_far(self):
-        feedback = []
-        self.client.send_goal(
-            SolveGoal(format="pomdp", model=maze(40), precision=1e-9), feedback_cb=feedback.append
-        )
-        deadline = rospy.Time.now() + rospy.Duration(20)
-        while len(feedback) < 3 and rospy.Time.now() < deadline:
-            self.client.wait_for_result(rospy.Duration(0.05))
-        self.assertGreaterEqual(len(feedback), 3)
-        self.assertLessEqual(feedback[0].lower_bound, feedback[-1].lower_bound)
-        self.assertGreaterEqual(feedback[0].upper_bound, feedback[-1].upper_bound)
+        goal = Goal(model=maze(40), precision=1e-9)
+        goal.wait_for_phase(SolveFeedback.SOLVING, count=4)
+        known = [f for f in goal.feedback if f.num_alpha_vectors > 0]
+        self.assertLessEqual(known[0].lower_bound, known[-1].lower_bound)
+        self.assertGreaterEqual(known[0].upper_bound, known[-1].upper_bound)
+        self.assertGreater(known[-1].memory_bytes, 0)
         # The services answer while it solves.
-        self.assertEqual(self.get_action("none", [1.0]).status.code, Status.NOT_FOUND)
-        self.client.cancel_goal()
-        self.assertTrue(self.client.wait_for_result(rospy.Duration(20)))
-        self.assertEqual(self.client.get_state(), GoalStatus.PREEMPTED)
-        result = self.client.get_result()
-        self.assertEqual(result.status.code, Status.OK)
-        self.assertEqual(self.get_action(result.policy_id, [1.0 / 40] * 40).status.code, Status.OK)
+        code = self.services.get_action(policy_id="none", belief=[1.0]).status.code
+        self.assertEqual(code, Status.NOT_FOUND)
+        goal.cancel()
+        result = goal.result()
+        self.assertEqual(goal.state(), GoalStatus.PREEMPTED)
+        self.assertEqual((result.status.code, result.stop_reason), (Status.OK, "cancelled"))
+        action = self.services.get_action(policy_id=result.policy_id, belief=[1.0 / 40] * 40)
+        self.assertEqual(action.status.code, Status.OK)
+
+    def test_goals_wait_in_order_and_known_ones_do_not(self):
+        self.solve(model=TIGER, precision=0.01)
+        first = Goal(model=maze(44), precision=1e-9)
+        first.wait_for_phase(SolveFeedback.SOLVING)
+        second = Goal(model=TIGER.replace("0.95", "0.94"), precision=0.01)
+        third = Goal(model=TIGER.replace("0.95", "0.93"), precision=0.01)
+        self.assertEqual(second.wait_for_phase(SolveFeedback.QUEUED).num_ahead, 1)
+        self.assertEqual(third.wait_for_phase(SolveFeedback.QUEUED).num_ahead, 2)
+        self.assertTrue(self.solve(model=TIGER, precision=0.01).cached)
+        third.cancel()
+        self.assertEqual(third.result().status.code, Status.CANCELLED)
+        self.assertIn(third.state(), (GoalStatus.PREEMPTED, GoalStatus.RECALLED))
+        first.cancel()
+        self.assertEqual(first.result().status.code, Status.OK)
+        self.assertEqual(second.result().status.code, Status.OK)
+        self.assertEqual(second.state(), GoalStatus.SUCCEEDED)
+
+    def test_preemption_while_reading_is_prompt(self):
+        goal = Goal(model=uniform(1300, 5), precision=1e-9)
+        goal.wait_for_phase(SolveFeedback.READING)
+        goal.cancel()
+        start = time.monotonic()
+        result = goal.result(timeout=5.0)
+        self.assertLess(time.monotonic() - start, 4.0)
+        self.assertIn(result.status.code, (Status.CANCELLED, Status.OK))
+        self.assertEqual(goal.state(), GoalStatus.PREEMPTED)
+
+    def test_goals_of_a_client_that_vanished_end(self):
+        directory = os.path.dirname(os.path.abspath(__file__))
+        subprocess.run(
+            [sys.executable, "-c", VANISHING_CLIENT.format(directory=directory)],
+            check=True,
+            timeout=30,
+        )
+        start = time.monotonic()
+        self.assertEqual(self.code_of(model=TIGER.replace("0.95", "0.92")), Status.OK)
+        self.assertLess(time.monotonic() - start, 10.0)  # the goal would have taken 30 s
 
     def test_refuses_bad_models(self):
         result = self.solve(model=TIGER.replace("0.85 0.15", "0.85 0.25"))
-        self.assertEqual(self.client.get_state(), GoalStatus.ABORTED)
         self.assertEqual(result.status.code, Status.INVALID_ARGUMENT)
         self.assertIn("model:10:1:", result.status.message)
+        self.assertIn("sums to 1.1", result.status.message)
         for fields in [
             {"model": ""},
             {"model": TIGER, "format": "xml"},
             {"model": TIGER, "precision": -1.0},
             {"model": TIGER, "precision": float("nan")},
             {"model": TIGER, "time_limit": rospy.Duration(1000)},
+            {"model": TIGER.replace("identity", "idntity")},
+            {"model": TIGER.replace("discount: 0.95", "discount: 1.0")},
+            {"model": "\x00\xff" * 100},
+            {"model": "<pomdpx></pomdpx>"},
         ]:
-            self.assertEqual(self.solve(**fields).status.code, Status.INVALID_ARGUMENT)
-        self.assertEqual(self.solve(model=TIGER).status.code, Status.OK)
+            goal = Goal(**fields)
+            self.assertEqual(goal.result().status.code, Status.INVALID_ARGUMENT, str(fields)[:80])
+            self.assertEqual(goal.state(), GoalStatus.ABORTED)
+        self.assertEqual(self.code_of(model=TIGER), Status.OK)
 
-    def test_refuses_bad_requests(self):
-        policy = self.solve(model=TIGER).policy_id
-        self.assertEqual(self.get_action("nowhere", [0.5, 0.5]).status.code, Status.NOT_FOUND)
-        self.assertEqual(self.get_action(policy, [1.0]).status.code, Status.INVALID_ARGUMENT)
-        self.assertEqual(self.get_action(policy, [0.5, 0.6]).status.code, Status.INVALID_ARGUMENT)
-        for belief, action, observation in [
-            ([0.5, 0.5], "fly", "hear_left"),
-            ([0.5, 0.5], "listen", "smell"),
-            ([], "listen", "hear_left"),
+    def test_refuses_models_that_are_too_large(self):
+        for model, said in [
+            (uniform(9000000, 2), "9000000 states"),
+            (uniform(250000, 100), "25000000 rows"),
+            (uniform(100000, 2), "entries"),
+            ("# " + "x" * (1 << 20) + TIGER, "bytes"),
         ]:
-            code = self.update_belief(policy, belief, action, observation).status.code
-            self.assertEqual(code, Status.INVALID_ARGUMENT)
+            start = time.monotonic()
+            result = self.solve(model=model)
+            self.assertEqual(result.status.code, Status.RESOURCE_EXHAUSTED)
+            self.assertIn(said, result.status.message)
+            self.assertLess(time.monotonic() - start, 5.0)
+        self.assertEqual(self.code_of(model=TIGER), Status.OK)
 
-    def test_refuses_unknown_parameters(self):
-        run = subprocess.run(
-            ["rosrun", "kr3_pomdp", "policy_node", "__name:=wrong_node", "_cache_megabyte:=3"],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            timeout=30,
-            check=False,
+    def test_ends_soon_while_solving(self):
+        node = subprocess.Popen(
+            ["rosrun", "kr3_pomdp", "policy_node", "__ns:=ending", "__name:=ending_node"]
         )
-        self.assertNotEqual(run.returncode, 0)
-        self.assertIn(b"cache_megabyte", run.stdout)
+        try:
+            goal = Goal(namespace="ending/", model=maze(45), precision=1e-9)
+            goal.wait_for_phase(SolveFeedback.SOLVING)
+            start = time.monotonic()
+            node.send_signal(signal.SIGINT)
+            self.assertEqual(node.wait(timeout=10), 0)
+            self.assertLess(time.monotonic() - start, 5.0)
+        finally:
+            node.kill()
+            node.wait()
+
+    def test_refuses_bad_parameters(self):
+        for parameter, value in [
+            ("cache_megabyte", 3),
+            ("solve_niceness", 40),
+            ("load_at_start", ["missing"]),
+        ]:
+            rospy.set_param(f"/wrong_node/{parameter}", value)
+            run = subprocess.run(
+                ["rosrun", "kr3_pomdp", "policy_node", "__name:=wrong_node"],
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                timeout=30,
+                check=False,
+            )
+            rospy.delete_param("/wrong_node")
+            self.assertNotEqual(run.returncode, 0)
+            said = "missing" if parameter == "load_at_start" else parameter
+            self.assertIn(said, run.stdout.decode())
 
 
 if __name__ == "__main__":
