@@ -13,7 +13,7 @@ import pathlib
 import sys
 import tempfile
 
-from pomdp_benchmark import bounds, rooms, sections
+from pomdp_benchmark import ablation, bounds, rooms, sections
 from pomdp_benchmark.figures import report, summary
 from pomdp_benchmark.goals import ROOMS
 from pomdp_benchmark.peer import Peer
@@ -30,8 +30,9 @@ SECTIONS = {
     "deadlines": "how late a run ends",
     "lookups": "action of a policy at a belief, in the library",
     "calls": "the same as a ROS service",
+    "ablation": "room search with parts of the solver left out one by one",
 }
-USUAL = [name for name in SECTIONS if name != "calls"]
+USUAL = [name for name in SECTIONS if name not in ("calls", "ablation")]
 QUICK = ["bounds", "solved", "rooms", "policies", "deadlines"]
 QUICK_PROBLEMS = ["4x3.95.pomdp", "Hallway.pomdp", "TagAvoid.pomdpx", "RoomSearch_9.pomdp"]
 SOLVED = ["4x3.95.pomdp", "RockSample_4_4.pomdp"]
@@ -95,6 +96,7 @@ def run_sections(session: Session, names: list[str], problems: list[str], quick:
         "deadlines": lambda: sections.deadlines(session, problems),
         "lookups": lambda: sections.lookups(session),
         "calls": lambda: sections.calls(session),
+        "ablation": lambda: ablation.measure(session, sizes),
     }
     all_ran = True
     for name, run_section in runs.items():

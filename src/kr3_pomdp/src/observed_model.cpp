@@ -155,11 +155,18 @@ std::vector<bool> enteredStates(const Model& model, const std::vector<std::uint3
 
 }  // namespace
 
-ObservedModel::ObservedModel(const Model& model) : model_(&model)
+ObservedModel::ObservedModel(const Model& model, bool find_classes) : model_(&model)
 {
   const std::vector<std::uint32_t> states = reachableStates(model);
   const std::vector<std::vector<std::uint32_t>> supports = startSupports(model);
   UnionFind unions = partition(model, states, supports);
+  if (!find_classes)
+  {
+    for (const std::uint32_t s : states)
+    {
+      unions.unite(states.front(), s);
+    }
+  }
   std::vector<bool> needed = enteredStates(model, states);
   const auto inOneClass = [&unions](const std::vector<std::uint32_t>& support) {
     return std::all_of(support.begin(), support.end(), [&](std::uint32_t s) {

@@ -51,7 +51,8 @@ struct ObservedStart
 class ObservedModel
 {
 public:
-  explicit ObservedModel(const Model& model);
+  /// @param find_classes  false: one class for all states, as if the robot always knew nothing
+  explicit ObservedModel(const Model& model, bool find_classes = true);
 
   [[nodiscard]] const Model& model() const { return *model_; }
   [[nodiscard]] double discount() const { return model_->discount(); }

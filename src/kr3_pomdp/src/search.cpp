@@ -20,8 +20,14 @@ constexpr double kLeastGap = 0.01;     // of the root's gap
 
 }  // namespace
 
-Search::Search(BeliefGraph& graph, double precision, Supervisor& supervisor)
-  : graph_(&graph), precision_(precision), supervisor_(&supervisor)
+Search::Search(BeliefGraph& graph, double precision, const SolverParts& parts,
+               Supervisor& supervisor)
+  : graph_(&graph)
+  , precision_(precision)
+  , sampled_share_(!parts.sampled_trials ? 0.0
+                   : !parts.upper_trials ? 1.0
+                                         : kSampledShare)
+  , supervisor_(&supervisor)
 {
 }
 
@@ -70,7 +76,7 @@ void Search::run()
       ++source_work_;
       continue;
     }
-    sampled_due += kSampledShare;
+    sampled_due += sampled_share_;
     if (sampled_due >= 1.0)
     {
       sampled_due -= 1.0;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "belief_graph.hpp"
+#include "solver_parts.hpp"
 #include "supervisor.hpp"
 
 namespace kr3::pomdp
@@ -22,7 +23,7 @@ class Search
 public:
   /// The graph and the supervisor outlive this object.
   /// @param precision  gap at the start that is small enough
-  Search(BeliefGraph& graph, double precision, Supervisor& supervisor);
+  Search(BeliefGraph& graph, double precision, const SolverParts& parts, Supervisor& supervisor);
 
   /// Until the supervisor says stop.
   void run();
@@ -47,6 +48,7 @@ private:
 
   BeliefGraph* graph_;
   double precision_;
+  double sampled_share_;  // of the trials
   Supervisor* supervisor_;
   std::vector<NodeId> path_;
   std::uint64_t source_work_ = 0;  // pieces

@@ -12,6 +12,7 @@
 #include "belief_graph.hpp"
 #include "exclusion_bound.hpp"
 #include "search.hpp"
+#include "solver_parts.hpp"
 #include "supervisor.hpp"
 
 namespace kr3::pomdp
@@ -105,6 +106,21 @@ Policy policyOf(const BeliefGraph& graph)
   return Policy(observed.model().numStates(), vectors);
 }
 
+/// Leaves of each class only its values in single states: every action gets the greatest.
+void keepCorners(InformedVectors& informed)
+{
+  for (std::vector<std::vector<double>>& vectors : informed)
+  {
+    std::vector<double> corners = vectors.front();
+    for (const std::vector<double>& vector : vectors)
+    {
+      std::transform(vector.begin(), vector.end(), corners.begin(), corners.begin(),
+                     [](double value, double corner) { return std::max(value, corner); });
+    }
+    std::fill(vectors.begin(), vectors.end(), corners);
+  }
+}
+
 }  // namespace
 
 const char* toString(StopReason reason)
@@ -128,15 +144,31 @@ const char* toString(StopReason reason)
 SolveResult solve(const Model& model, const SolverLimits& limits,
                   const ProgressCallback& keep_going)
 {
+  return solveWith(model, limits, {}, keep_going);
+}
+
+SolveResult solveWith(const Model& model, const SolverLimits& limits, const SolverParts& parts,
+                      const ProgressCallback& keep_going)
+{
   check(model, limits, static_cast<bool>(keep_going));
+  if (!parts.sampled_trials && !parts.upper_trials)
+  {
+    throw InvalidArgument(
+        "found no trials, expected sampled ones, ones of the upper bound or both");
+  }
   Supervisor supervisor(limits, keep_going);
-  const ObservedModel observed(model);
+  const ObservedModel observed(model, parts.classes);
   const auto in_time = [&supervisor] { return supervisor.mayPrepare(); };
   InformedVectors informed = informedBound(observed, in_time);
   const InformedVectors blind = blindBound(observed, in_time);
-  const std::unique_ptr<UpperBoundSource> source = ExclusionBound::make(observed, informed);
+  if (!parts.informed_vectors)
+  {
+    keepCorners(informed);
+  }
+  const std::unique_ptr<UpperBoundSource> source =
+      parts.noise_free_bound ? ExclusionBound::make(observed, informed) : nullptr;
   BeliefGraph graph(observed, std::move(informed), blind, source.get());
-  Search search(graph, limits.precision, supervisor);
+  Search search(graph, limits.precision, parts, supervisor);
   search.run();
   Policy policy = policyOf(graph);
   double lower = 0.0;
