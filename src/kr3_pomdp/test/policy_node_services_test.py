@@ -67,16 +67,12 @@ class PolicyNodeServicesTest(unittest.TestCase):
         self.assertEqual((tuple(dense.states), dense.belief), ((), now.belief))
         reset = self.assert_ok(self.services.reset_belief(belief_id=name))
         self.assertEqual((reset.version, reset.action), (4, "listen"))
-        self.assert_ok(
-            self.services.reset_belief(belief_id=name, belief=[1.0], states=[1])
-        )
+        self.assert_ok(self.services.reset_belief(belief_id=name, belief=[1.0], states=[1]))
         self.assertEqual(self.services.get_belief(belief_id=name).action, "open_left")
         listed = self.assert_ok(self.services.list_beliefs(policy_id=policy))
         self.assertIn(name, [b.belief_id for b in listed.beliefs])
         self.assert_ok(self.services.delete_belief(belief_id=name))
-        self.assert_code(
-            Status.NOT_FOUND, self.services.get_belief(belief_id=name), "was deleted"
-        )
+        self.assert_code(Status.NOT_FOUND, self.services.get_belief(belief_id=name), "was deleted")
 
     def test_refuses_bad_beliefs_and_names(self):
         policy = solved()
@@ -87,9 +83,7 @@ class PolicyNodeServicesTest(unittest.TestCase):
             for response in [
                 self.services.get_action(**fields),
                 self.services.create_belief(**fields),
-                self.services.update_belief(
-                    action="listen", observation="hear_left", **fields
-                ),
+                self.services.update_belief(action="listen", observation="hear_left", **fields),
             ]:
                 self.assert_code(Status.INVALID_ARGUMENT, response)
         for states in [[0, 2], [1, 0], [0, 0], [0]]:
@@ -148,9 +142,7 @@ class PolicyNodeServicesTest(unittest.TestCase):
         self.assert_code(
             Status.INVALID_ARGUMENT, self.services.create_belief(policy_id=policy), "first_look"
         )
-        belief = self.assert_ok(
-            self.services.create_belief(policy_id=policy, first_look="on,good")
-        )
+        belief = self.assert_ok(self.services.create_belief(policy_id=policy, first_look="on,good"))
         now = self.services.get_belief(belief_id=belief.belief_id)
         self.assertEqual(len(now.states), 2)
         self.assertAlmostEqual(now.belief[0], 0.7)
@@ -293,7 +285,14 @@ class PolicyNodeServicesTest(unittest.TestCase):
                 )
                 up, down = (0.85, 0.15) if heard == "hear_left" else (0.15, 0.85)
                 left = left * up / (left * up + (1 - left) * down)
-                now = dict(zip(*[getattr(services.get_belief(belief_id=name), f) for f in ("states", "belief")]))
+                now = dict(
+                    zip(
+                        *[
+                            getattr(services.get_belief(belief_id=name), f)
+                            for f in ("states", "belief")
+                        ]
+                    )
+                )
                 if response.status.code != Status.OK or abs(now.get(0, 0.0) - left) > 1e-9:
                     failures.append((seed, i, response.status.message, now, left))
 

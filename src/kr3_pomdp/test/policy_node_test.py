@@ -64,9 +64,7 @@ class PolicyNodeTest(unittest.TestCase):
         wrong = self.solve(model=SWITCH_POMDPX.replace("0.7 0.3", "0.7 0.4"))
         self.assertEqual(wrong.status.code, Status.INVALID_ARGUMENT)
         self.assertIn("model", wrong.status.message)
-        self.assertEqual(
-            self.code_of(model=SWITCH_POMDPX, format="pomdp"), Status.INVALID_ARGUMENT
-        )
+        self.assertEqual(self.code_of(model=SWITCH_POMDPX, format="pomdp"), Status.INVALID_ARGUMENT)
 
     def test_remembers_by_content(self):
         first = self.solve(model=TIGER, precision=0.005)
