@@ -8,6 +8,7 @@
 
 #include <kr3_common/error.hpp>
 
+#include "file_text.hpp"
 #include "file_tolerance.hpp"
 #include "kr3_pomdp/pomdp_format.hpp"
 #include "kr3_pomdp/pomdpx_format.hpp"
@@ -83,8 +84,7 @@ Model readFactored(std::istringstream& in, const std::string& name, const ReadOp
 
 const char* detectedFormat(const std::string& text)
 {
-  const std::size_t first = text.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-  return first != std::string::npos && text[first] == '<' ? "pomdpx" : "pomdp";
+  return looksLikeXml(text) ? "pomdpx" : "pomdp";
 }
 
 ModelText checkedModelText(const std::string& format, std::string text, std::size_t max_bytes)

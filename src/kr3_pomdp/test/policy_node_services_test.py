@@ -210,6 +210,11 @@ class PolicyNodeServicesTest(unittest.TestCase):
         a = self.services.get_action(policy_id=policy, belief=[0.97, 0.03])
         b = self.services.get_action(policy_id=other.policy_id, belief=[0.97, 0.03])
         self.assertEqual((a.action, a.value), (b.action, b.value))
+        appl = self.services.save_policy(policy_id=policy, format=SavePolicyRequest.APPL).text
+        theirs = self.assert_ok(self.services.load_policy(model=model, policy=appl))
+        c = self.services.get_action(policy_id=theirs.policy_id, belief=[0.97, 0.03])
+        self.assertEqual(c.action, a.action)
+        self.assertAlmostEqual(c.value, a.value, delta=1e-4)
         for code, fields in [
             (Status.NOT_FOUND, {"file_name": "no_such_file"}),
             (Status.INVALID_ARGUMENT, {"file_name": "../tiger"}),

@@ -20,7 +20,7 @@ struct ModelText
   return a.format == b.format && a.text == b.text;
 }
 
-/// "pomdpx" where the text begins with `<`, else "pomdp".
+/// "pomdpx" or "pomdp", by how the text begins.
 [[nodiscard]] const char* detectedFormat(const std::string& text);
 
 /// The text with its format, which is found out when `format` is empty.

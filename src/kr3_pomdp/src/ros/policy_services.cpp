@@ -14,9 +14,11 @@
 #include <kr3_msgs/ReleasePolicy.h>
 #include <kr3_msgs/SavePolicy.h>
 
+#include "../file_text.hpp"
 #include "conversions.hpp"
 #include "kr3_pomdp/names.hpp"
 #include "kr3_pomdp/policy_bundle.hpp"
+#include "kr3_pomdp/policy_format.hpp"
 
 namespace kr3::pomdp
 {
@@ -85,6 +87,10 @@ std::string textOf(const SolvedModel& solved, std::uint8_t format)
   {
     solved.policy->write(out);
   }
+  else
+  {
+    writeApplPolicy(out, *solved.policy, solved.model(), "model." + solved.source->text.format);
+  }
   return out.str();
 }
 
@@ -117,7 +123,8 @@ SolvedModel modelFrom(PolicyStore& store, const kr3_msgs::LoadPolicy::Request& r
   if (!request.policy.empty())
   {
     std::istringstream in(request.policy);
-    policy = Policy::read(in, "policy");
+    policy = looksLikeXml(request.policy) ? readApplPolicy(in, "policy", source->model)
+                                          : Policy::read(in, "policy");
   }
   return unsolvedModel(std::move(source), std::move(policy));
 }
