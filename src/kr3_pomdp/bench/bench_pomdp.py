@@ -13,12 +13,12 @@ import pathlib
 import sys
 import tempfile
 
-from pomdp_benchmark import ablation, bounds, rooms, sections
+from pomdp_benchmark import ablation, bounds, published, rooms, sections
 from pomdp_benchmark.figures import report, summary
 from pomdp_benchmark.goals import ROOMS
 from pomdp_benchmark.peer import Peer
 from pomdp_benchmark.processes import BenchmarkError, Programs
-from pomdp_benchmark.session import Session
+from pomdp_benchmark.session import Session, room_file
 
 SECTIONS = {
     "bounds": "bounds at the given times, and the time to APPL's gap",
@@ -31,8 +31,9 @@ SECTIONS = {
     "lookups": "action of a policy at a belief, in the library",
     "calls": "the same as a ROS service",
     "ablation": "room search with parts of the solver left out one by one",
+    "models": "generated problems beside the published files",
 }
-USUAL = [name for name in SECTIONS if name not in ("calls", "ablation")]
+USUAL = [name for name in SECTIONS if name not in ("calls", "ablation", "models")]
 QUICK = ["bounds", "solved", "rooms", "policies", "deadlines"]
 QUICK_PROBLEMS = ["4x3.95.pomdp", "Hallway.pomdp", "TagAvoid.pomdpx", "RoomSearch_9.pomdp"]
 SOLVED = ["4x3.95.pomdp", "RockSample_4_4.pomdp"]
@@ -78,13 +79,13 @@ def seconds(text: str) -> tuple[float, ...]:
         raise BenchmarkError(f"found times '{text}', expected numbers with commas") from error
 
 
-def run_sections(session: Session, names: list[str], problems: list[str], quick: bool) -> bool:
+def run_sections(session: Session, names: list[str], problems: list[str]) -> bool:
     """Each section that was asked for, in the order of SECTIONS; false when one of them failed."""
     files = {problem: session.file(problem).name for problem in problems}
     solved = [problem for problem, file in files.items() if file in SOLVED]
     # Room search has a section of its own, and is not simulated twice.
     valued = [problem for problem, file in files.items() if not file.startswith("RoomSearch")]
-    sizes = [9] if quick else list(ROOMS)
+    sizes = [cells for cells in ROOMS if room_file(cells) in files.values()]
     room_times = tuple(t for t in (0.1, 1.0, 10.0, 60.0) if t <= max(session.times))
     runs = {
         "bounds": lambda: bounds.measure(session, problems),
@@ -97,6 +98,7 @@ def run_sections(session: Session, names: list[str], problems: list[str], quick:
         "lookups": lambda: sections.lookups(session),
         "calls": lambda: sections.calls(session),
         "ablation": lambda: ablation.measure(session, sizes),
+        "models": lambda: published.measure(session),
     }
     all_ran = True
     for name, run_section in runs.items():
@@ -128,7 +130,7 @@ def main(arguments: list[str] | None = None) -> int:
             problems = chosen(args.problems, None, usual, "problem")
             for problem in problems:
                 session.file(problem)
-            all_ran = run_sections(session, names, problems, args.quick)
+            all_ran = run_sections(session, names, problems)
             print(f"\n{summary(session.figures)}")
         if args.json:
             options = {"times": session.times, "seed": args.seed, "trials": session.trials}

@@ -5,6 +5,7 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 BENCH = Path(__file__).resolve().parents[1] / "bench"
@@ -164,6 +165,7 @@ def test_a_peer_runs_beside(run_bench, tmp_path, capsys):
     [
         (["--problems", "Lion"], "unknown problem 'Lion', expected a model file or one of"),
         (["--sections", "luck"], "unknown section 'luck'"),
+        (["--sections", "models"], "the section 'models' needs --data"),
         (["--times", "soon"], "found times 'soon'"),
         (["--times", "0"], "expected positive seconds"),
         (["--data", "/nowhere"], "found no folder /nowhere"),
@@ -202,3 +204,40 @@ def test_a_section_that_fails_does_not_end_the_others(run_bench, programs, capsy
     printed = capsys.readouterr()
     assert "overshoot" in printed.out
     assert "policies: kr3_evaluate printed no interval: nothing" in printed.err
+
+
+class ArrayModel:
+    """Dense arrays with the interface of the Python module's models."""
+
+    def __init__(self, transitions, observations, rewards):
+        self.arrays = [np.array(array) for array in (transitions, observations)]
+        self.rewards = np.array(rewards)
+
+    def numStates(self):
+        return self.arrays[0].shape[1]
+
+    def numActions(self):
+        return self.arrays[0].shape[0]
+
+    def numObservations(self):
+        return self.arrays[1].shape[2]
+
+    def transitionEntries(self):
+        return np.argwhere(self.arrays[0]), self.arrays[0][self.arrays[0] != 0.0]
+
+    def observationEntries(self):
+        return np.argwhere(self.arrays[1]), self.arrays[1][self.arrays[1] != 0.0]
+
+    def rewardArray(self):
+        return self.rewards
+
+
+def test_models_are_compared_entry_by_entry():
+    compare = part("published").compare
+    first = ArrayModel([[[1.0, 0.0], [0.5, 0.5]]], [[[1.0], [1.0]]], [[0.0, 1.0]])
+    second = ArrayModel([[[0.9, 0.1], [0.5, 0.5]]], [[[1.0], [1.0]]], [[0.0, 3.0]])
+    assert compare(first, first, "same") == (0.0, 0)
+    assert compare(first, second, "other") == (2.0, 2)
+    third = ArrayModel([[[1.0]]], [[[1.0]]], [[0.0]])
+    with pytest.raises(part("processes").BenchmarkError, match="larger: found sizes"):
+        compare(first, third, "larger")
