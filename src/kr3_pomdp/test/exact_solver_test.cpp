@@ -71,12 +71,12 @@ TEST(ExactSolver, IsTheBestOfAllPlans)
 TEST(ExactSolver, EveryStageIsTheBestValueOverItsSteps)
 {
   test::forEachModel(20, [](const Model& model, std::uint64_t seed) {
-    const ExactSolution solution = solveExactly(model, horizon(4));
-    ASSERT_EQ(solution.stages.size(), 4U);
-    EXPECT_EQ(solution.iterations, 4U);
+    const ExactSolution solution = solveExactly(model, horizon(3));
+    ASSERT_EQ(solution.stages.size(), 3U);
+    EXPECT_EQ(solution.iterations, 3U);
     std::mt19937_64 random(seed);
     const Belief belief = test::randomBelief(model.numStates(), random);
-    for (int steps = 1; steps <= 4; ++steps)
+    for (int steps = 1; steps <= 3; ++steps)
     {
       const double best = test::bestValueOver(model, belief, steps);
       EXPECT_NEAR(solution.stages[static_cast<std::size_t>(steps) - 1].valueAt(belief), best,

@@ -56,6 +56,11 @@ struct RandomShape
 /// What a shape is, for messages.
 [[nodiscard]] std::string toString(const RandomShape& shape);
 
+/// A small search with random numbers: something stays at one of two or three places (in some
+/// models it seldom moves), sensors that tell where it is are noisy, and it may be taken or given
+/// up.
+[[nodiscard]] Model randomSearch(std::uint64_t seed);
+
 /// A belief over `num_states` states, at times on the border of the simplex.
 [[nodiscard]] Belief randomBelief(std::size_t num_states, std::mt19937_64& random);
 

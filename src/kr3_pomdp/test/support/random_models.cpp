@@ -157,6 +157,60 @@ RandomShape randomShape(std::uint64_t seed)
   return shape;
 }
 
+Model randomSearch(std::uint64_t seed)
+{
+  Draw draw(seed);
+  const std::size_t cells = 1 + static_cast<std::size_t>(2.0 * draw.uniform());
+  const std::size_t places = 2 + static_cast<std::size_t>(2.0 * draw.uniform());
+  const double drift = draw.uniform() < 0.25 ? 0.1 * draw.uniform() : 0.0;
+  const std::size_t done = cells * places;
+  const std::size_t over = 2 * cells;  // observations: a signal in each cell, and this
+  const std::size_t look = cells;
+  const std::size_t take = cells + 1;
+  const std::size_t quit = cells + 2;
+  ModelBuilder builder(names("s", done + 1), names("a", cells + 3), names("o", over + 1));
+  builder.setDiscount(draw.between(0.6, 0.9));
+  std::vector<double> start = draw.distribution(places, 0.2);
+  start.resize(done + 1, 0.0);
+  builder.setInitialBelief(start);  // in the first cell
+  builder.setTransition(kAny, done, done, 1.0);
+  builder.setObservation(kAny, done, over, 1.0);
+  for (std::size_t cell = 0; cell < cells; ++cell)
+  {
+    for (std::size_t place = 0; place < places; ++place)
+    {
+      const std::size_t s = cell * places + place;
+      const auto go = [&](std::size_t a, std::size_t to_cell, double probability) {
+        builder.addTransition(a, s, to_cell * places + place, probability * (1.0 - drift));
+        builder.addTransition(a, s, to_cell * places + (place + 1) % places, probability * drift);
+      };
+      for (std::size_t a = 0; a < cells; ++a)
+      {
+        const double slip = draw.uniform() < 0.5 ? 0.0 : 0.3;
+        go(a, a, 1.0 - slip);
+        go(a, cell, slip);
+        builder.setReward(a, s, -1.0);
+      }
+      go(look, cell, 1.0);
+      builder.setReward(look, s, -0.5);
+      const double caught = place % cells == cell ? draw.uniform() : 0.0;
+      go(take, cell, 1.0 - caught);
+      builder.addTransition(take, s, done, caught);
+      builder.setReward(take, s, caught > 0.0 ? draw.between(5.0, 20.0) : -10.0);
+      builder.addTransition(quit, s, done, 1.0);
+      builder.setReward(quit, s, draw.between(-20.0, 3.0));
+      for (std::size_t a = 0; a < cells + 3; ++a)
+      {
+        // Only a look says much.
+        const double yes = a == look ? draw.uniform() : draw.uniform() < 0.5 ? 0.5 : 0.6;
+        builder.setObservation(a, s, 2 * cell, yes);
+        builder.setObservation(a, s, 2 * cell + 1, 1.0 - yes);
+      }
+    }
+  }
+  return builder.build();
+}
+
 std::string toString(const RandomShape& shape)
 {
   std::ostringstream out;
