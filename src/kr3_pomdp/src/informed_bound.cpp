@@ -182,12 +182,31 @@ double blindSweep(const ObservedModel& model, std::size_t a, InformedVectors& ve
   return change;
 }
 
+/// One action, then the base plan: together these plans are supported by each other, because the
+/// base plan does one of the actions, or each of them at times.
+InformedVectors firstThenBase(const ObservedModel& model, const UndiscountedBounds& first)
+{
+  InformedVectors vectors = filled(model, 0.0);
+  for (std::size_t a = 0; a < model.numActions(); ++a)
+  {
+    const std::vector<double> values = thenBasePlan(model.model(), first, a);
+    for (std::size_t c = 0; c < vectors.size(); ++c)
+    {
+      const std::vector<std::uint32_t>& states = model.classes()[c].states;
+      std::transform(states.begin(), states.end(), vectors[c][a].begin(),
+                     [&values](std::uint32_t s) { return values[s]; });
+    }
+  }
+  return vectors;
+}
+
 }  // namespace
 
-InformedVectors informedBound(const ObservedModel& model, const std::function<bool()>& keep_going)
+InformedVectors informedBound(const ObservedModel& model, const std::function<bool()>& keep_going,
+                              const UndiscountedBounds* first)
 {
   const RewardRange range = rewardRange(model);
-  const double top = range.greatest / (1.0 - model.discount());
+  const double top = first == nullptr ? range.greatest / (1.0 - model.discount()) : 0.0;
   InformedVectors vectors = filled(model, top);
   std::vector<std::vector<double>> values;
   for (const StateClass& state_class : model.classes())
@@ -195,6 +214,15 @@ InformedVectors informedBound(const ObservedModel& model, const std::function<bo
     values.emplace_back(state_class.states.size(), top);
     for (std::size_t s = 0; s < state_class.states.size(); ++s)
     {
+      if (first != nullptr)
+      {
+        values.back()[s] = first->upper[state_class.states[s]];
+        for (std::vector<double>& vector : vectors[values.size() - 1])
+        {
+          vector[s] = values.back()[s];
+        }
+        continue;
+      }
       bool kept = true;
       double greatest = -std::numeric_limits<double>::infinity();
       for (std::size_t a = 0; a < model.numActions() && kept; ++a)
@@ -226,8 +254,13 @@ InformedVectors informedBound(const ObservedModel& model, const std::function<bo
   return vectors;
 }
 
-InformedVectors blindBound(const ObservedModel& model, const std::function<bool()>& keep_going)
+InformedVectors blindBound(const ObservedModel& model, const std::function<bool()>& keep_going,
+                           const UndiscountedBounds* first)
 {
+  if (first != nullptr)
+  {
+    return firstThenBase(model, *first);
+  }
   const RewardRange range = rewardRange(model);
   InformedVectors vectors = filled(model, 0.0);
   for (std::size_t a = 0; a < model.numActions(); ++a)

@@ -169,7 +169,7 @@ void Search::sampledTrial()
       uniform() < kThorough ? BeliefGraph::Width::kAll : BeliefGraph::Width::kExpanded;
   double weight = 1.0;
   path_.clear();
-  while (weight > kLeastWeight &&
+  while (path_.size() < kMaxDepth && weight > kLeastWeight &&
          weight * (graph_->upper(node) - graph_->lower(node)) > kLeastGap * root_gap)
   {
     path_.push_back(node);

@@ -21,7 +21,7 @@ namespace kr3::pomdp
 namespace
 {
 
-void check(const Model& model, const SolverLimits& limits, bool has_callback)
+void check(const SolverLimits& limits, bool has_callback)
 {
   const auto valid = [](double value) { return std::isfinite(value) && value >= 0.0; };
   if (!valid(limits.precision) || !valid(limits.time_s))
@@ -36,11 +36,6 @@ void check(const Model& model, const SolverLimits& limits, bool has_callback)
   if (limits.precision == 0.0 && limits.time_s == 0.0 && limits.max_backups == 0 && !has_callback)
   {
     throw InvalidArgument("no precision, time, backups or callback: the run would never end");
-  }
-  if (model.discount() >= 1.0)
-  {
-    throw InvalidArgument(
-        "discount 1, expected it below 1: values of an endless run have no bound");
   }
 }
 
@@ -84,10 +79,28 @@ AlphaVector blindVector(const Model& model)
   return best;
 }
 
-Policy policyOf(const BeliefGraph& graph)
+/// Plans for all states of a model with discount 1: the base plan where that is one action, else
+/// each action and then the base plan.
+std::vector<AlphaVector> plansForAll(const Model& model, const UndiscountedBounds& first)
+{
+  if (first.base_action)
+  {
+    return {{*first.base_action, {}, first.lower}};
+  }
+  std::vector<AlphaVector> plans;
+  for (std::size_t a = 0; a < model.numActions(); ++a)
+  {
+    plans.push_back({a, {}, thenBasePlan(model, first, a)});
+  }
+  return plans;
+}
+
+Policy policyOf(const BeliefGraph& graph, const std::optional<UndiscountedBounds>& first)
 {
   const ObservedModel& observed = graph.model();
-  std::vector<AlphaVector> vectors{blindVector(observed.model())};
+  std::vector<AlphaVector> vectors = first
+                                         ? plansForAll(observed.model(), *first)
+                                         : std::vector<AlphaVector>{blindVector(observed.model())};
   for (std::size_t c = 0; c < observed.classes().size(); ++c)
   {
     const VectorSet& set = graph.vectors()[c];
@@ -150,7 +163,7 @@ SolveResult solve(const Model& model, const SolverLimits& limits,
 SolveResult solveWith(const Model& model, const SolverLimits& limits, const SolverParts& parts,
                       const ProgressCallback& keep_going)
 {
-  check(model, limits, static_cast<bool>(keep_going));
+  check(limits, static_cast<bool>(keep_going));
   if (!parts.sampled_trials && !parts.upper_trials)
   {
     throw InvalidArgument(
@@ -159,8 +172,12 @@ SolveResult solveWith(const Model& model, const SolverLimits& limits, const Solv
   Supervisor supervisor(limits, keep_going);
   const ObservedModel observed(model, parts.classes);
   const auto in_time = [&supervisor] { return supervisor.mayPrepare(); };
-  InformedVectors informed = informedBound(observed, in_time);
-  const InformedVectors blind = blindBound(observed, in_time);
+  const std::optional<UndiscountedBounds> first =
+      model.discount() < 1.0 ? std::nullopt
+                             : std::make_optional(undiscountedBounds(observed, in_time));
+  const UndiscountedBounds* start = first ? &*first : nullptr;
+  InformedVectors informed = informedBound(observed, in_time, start);
+  const InformedVectors blind = blindBound(observed, in_time, start);
   if (!parts.informed_vectors)
   {
     keepCorners(informed);
@@ -170,7 +187,7 @@ SolveResult solveWith(const Model& model, const SolverLimits& limits, const Solv
   BeliefGraph graph(observed, std::move(informed), blind, source.get());
   Search search(graph, limits.precision, parts, supervisor);
   search.run();
-  Policy policy = policyOf(graph);
+  Policy policy = policyOf(graph, first);
   double lower = 0.0;
   for (const InitialOutcome& outcome : model.initialOutcomes())
   {

@@ -61,11 +61,15 @@ using ProgressCallback = std::function<bool(const SolverProgress&)>;
 /// Solves a model from its initial belief with lower and upper bounds, anytime: a cancelled run
 /// gives the best policy so far.
 ///
+/// With discount 1 the model has to be one whose runs end (in states from which nothing is earned
+/// any more) or cost something at each step as long as they go on, with an end in reach of each
+/// state. For others, overHorizon() cuts runs off after some steps.
+///
 /// @param keep_going  may be empty
-/// @throws InvalidArgument  a limit that is negative or not finite, no thread, or no limit at all
-/// can
-///                          end the run (precision 0 without time, backups or callback); a
-///                          discount of 1
+/// @throws InvalidArgument    a limit that is negative or not finite, no thread, or no limit at all
+///                            can end the run (precision 0 without time, backups or callback); a
+///                            discount of 1 with runs that need not end (the message says where)
+/// @throws ResourceExhausted  a discount of 1 with runs of more than about 1e5 steps
 /// Sources: Smith and Simmons (2004, 2005), HSVI; Kurniawati, Hsu and Lee (2008), SARSOP;
 /// Hauskrecht (2000), fast informed bound and sawtooth.
 [[nodiscard]] SolveResult solve(const Model& model, const SolverLimits& limits,

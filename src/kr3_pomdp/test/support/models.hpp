@@ -64,6 +64,9 @@ struct RandomShape
 /// A belief over `num_states` states, at times on the border of the simplex.
 [[nodiscard]] Belief randomBelief(std::size_t num_states, std::mt19937_64& random);
 
+/// The parts that make the same model again.
+[[nodiscard]] ModelParts partsOf(const Model& model);
+
 /// The model with something that is seen before the first action.
 /// @param labels  shape [num_states]
 [[nodiscard]] Model withLabels(const Model& model, std::vector<std::uint32_t> labels);

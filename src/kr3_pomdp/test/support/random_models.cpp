@@ -245,7 +245,7 @@ Belief randomBelief(std::size_t num_states, std::mt19937_64& random)
   return Belief(std::move(result));
 }
 
-Model withLabels(const Model& model, std::vector<std::uint32_t> labels)
+ModelParts partsOf(const Model& model)
 {
   ModelParts parts;
   SharedRowsBuilder transitions;
@@ -272,9 +272,16 @@ Model withLabels(const Model& model, std::vector<std::uint32_t> labels)
   }
   parts.discount = model.discount();
   parts.initial_belief = model.initialBelief().probabilities();
-  parts.initial_labels = std::move(labels);
+  parts.initial_labels = model.initialLabels();
   parts.transitions = transitions.take();
   parts.observation_rows = observations.take();
+  return parts;
+}
+
+Model withLabels(const Model& model, std::vector<std::uint32_t> labels)
+{
+  ModelParts parts = partsOf(model);
+  parts.initial_labels = std::move(labels);
   return Model(std::move(parts));
 }
 
