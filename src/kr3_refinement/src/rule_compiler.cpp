@@ -1,6 +1,7 @@
 #include "rule_compiler.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <variant>
 
 #include <kr3_common/error.hpp>
@@ -108,7 +109,53 @@ public:
     return result;
   }
 
+  /// Adds to a body that the variables of a head that stand nowhere in it run through their sorts.
+  /// @param with_value  whether its value is part of the head, which a chosen one is not
+  void bindHead(const CompiledLiteral& head, bool with_value, const std::vector<Slot>& arguments,
+                std::vector<CompiledCondition>& body) const
+  {
+    const Symbol& symbol = signature_.symbols()[head.symbol];
+    std::vector<std::pair<Slot, const ConstantSet*>> slots;
+    for (std::size_t i = 0; i < head.arguments.size(); ++i)
+    {
+      slots.emplace_back(head.arguments[i], symbol.full_argument_sorts[i]);
+    }
+    if (with_value)
+    {
+      slots.emplace_back(head.value, symbol.full_value_sort);
+    }
+    for (const auto& [slot, sort] : slots)
+    {
+      if (slot.is_variable && !mentions(arguments, slot.id) && !mentions(body, slot.id))
+      {
+        body.emplace_back(CompiledMembership{sort, slot, false});
+      }
+    }
+  }
+
 private:
+  static bool mentions(const std::vector<Slot>& slots, int variable)
+  {
+    return std::any_of(slots.begin(), slots.end(), [variable](const Slot& slot) {
+      return slot.is_variable && slot.id == variable;
+    });
+  }
+
+  static bool mentions(const std::vector<CompiledCondition>& body, int variable)
+  {
+    return std::any_of(body.begin(), body.end(), [variable](const CompiledCondition& condition) {
+      if (const auto* literal = std::get_if<CompiledLiteral>(&condition))
+      {
+        return mentions(literal->arguments, variable) || mentions({literal->value}, variable);
+      }
+      if (const auto* comparison = std::get_if<CompiledComparison>(&condition))
+      {
+        return mentions({comparison->left, comparison->right}, variable);
+      }
+      return mentions({std::get<CompiledMembership>(condition).term}, variable);
+    });
+  }
+
   const reasoner::Description& description_;
   const Signature& signature_;
   Variables variables_;
@@ -144,6 +191,10 @@ std::optional<CompiledConstraint> RuleCompiler::constraint(
   {
     return std::nullopt;
   }
+  if (result.head)
+  {
+    scope.bindHead(*result.head, true, {}, result.body);
+  }
   result.variables = std::move(scope).variables();
   return result;
 }
@@ -175,6 +226,16 @@ std::optional<CompiledLaw> RuleCompiler::causalLaw(const reasoner::CausalLaw& la
       compiled.effects.push_back(std::move(compiled_effect));
     }
     result.outcomes.push_back(std::move(compiled));
+  }
+  for (const CompiledOutcome& outcome : result.outcomes)
+  {
+    for (const CompiledEffect& effect : outcome.effects)
+    {
+      if (!scope.restsOnKnowledge())
+      {
+        scope.bindHead(effect.fluent, !effect.is_choice, result.arguments, result.body);
+      }
+    }
   }
   if (scope.restsOnKnowledge())
   {

@@ -317,6 +317,36 @@ TEST(EveryTask, IsAProbabilityModel)
   }
 }
 
+/// Laws whose heads have variables that stand nowhere else: they hold for all things of the sort.
+Domain sweeping()
+{
+  LowLevelDomain low_level = test::composed(
+      R"(
+sorts
+  tray = {left, right}.
+  item = {a, b}.
+fluents
+  inertial on(item) : tray.
+  inertial clean(item).
+actions
+  sweep(tray).
+  soil(item).
+axioms
+  sweep(T) causes on(X) = T.
+  sweep(T) causes clean(X) if on(b) = T.
+  soil(X) causes -clean(X).
+  -clean(X) if on(a) = right, on(b) = left.
+)",
+      "magnify tray into slot by of_tray.\n", gridMap({"left", "right"}, 2, 1.0));
+  Models models = parseModels(R"(
+actions:
+  sweep(T): {cost: {base_s: 1.0, impossible_s: 2.0}}
+  soil(X): {cost: {base_s: 1.0, impossible_s: 2.0}}
+)",
+                              "models.yaml", low_level.description());
+  return {std::move(low_level), std::move(models)};
+}
+
 // The other implementation of the same semantics, by answer sets, is the oracle.
 TEST(EveryTask, HasTheTransitionsOfTheActionLanguage)
 {
@@ -331,7 +361,8 @@ TEST(EveryTask, HasTheTransitionsOfTheActionLanguage)
       {test::office(),
        "move(rob1, kitchen)",
        {"loc(rob1) = office", "loc(mug1) = office", "in_hand(rob1, mug1)"}},
-      {test::workbench(), "unscrew(tech1, tuner)", {}}};
+      {test::workbench(), "unscrew(tech1, tuner)", {}},
+      {sweeping(), "sweep(left)", {"on(a) = right", "on(b) = left"}}};
   for (const Case& c : cases)
   {
     const PomdpTask task = c.domain.task(c.action, c.state, {});

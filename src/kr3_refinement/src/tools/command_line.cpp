@@ -12,21 +12,26 @@
 namespace kr3::refinement::tools
 {
 
+void addDomainOptions(CLI::App& app, Options& options)
+{
+  app.add_option("DOMAIN_DIR", options.domain,
+                 "directory with domain.kr3, refinement.kr3 and models.yaml")
+      ->required();
+  app.add_option("--map", options.map, "components as YAML; without it a grid is made");
+  app.add_option("--cells-per-place", options.per_whole,
+                 "components of each magnified element in the grid");
+  app.add_option("--pitch", options.pitch_m, "m between neighbours in the grid");
+}
+
 Options parse(int argc, char** argv, const std::string& purpose)
 {
   Options options;
   CLI::App app{purpose};
   app.option_defaults()->always_capture_default();
-  app.add_option("DOMAIN_DIR", options.domain,
-                 "directory with domain.kr3, refinement.kr3 and models.yaml")
-      ->required();
+  addDomainOptions(app, options);
   app.add_option("--state", options.state, "high-level state: literals joined by commas")
       ->required();
   app.add_option("--action", options.action, "ground high-level action")->required();
-  app.add_option("--map", options.map, "components as YAML; without it a grid is made");
-  app.add_option("--cells-per-place", options.per_whole,
-                 "components of each magnified element in the grid");
-  app.add_option("--pitch", options.pitch_m, "m between neighbours in the grid");
   app.add_option("--known", options.known,
                  "FLUENT=VALUE: low-level value that is certain, as 'loc(rob1)=kitchen_c2'");
   app.add_option("--hidden", options.hidden,
@@ -97,14 +102,20 @@ std::string readText(const std::string& path)
 
 }  // namespace
 
-Loaded load(const Options& options)
+LowLevelDomain loadDomain(const Options& options)
 {
   const reasoner::Description high_level =
       reasoner::readDescription(options.domain + "/domain.kr3");
   const std::string path = options.domain + "/refinement.kr3";
   const reasoner::Description refinement =
       reasoner::parseRefinement(readText(path), path, high_level);
-  LowLevelDomain domain(high_level, refinement, mapOf(options, high_level, refinement));
+  return {high_level, refinement, mapOf(options, high_level, refinement)};
+}
+
+Loaded load(const Options& options)
+{
+  LowLevelDomain domain = loadDomain(options);
+  const reasoner::Description& high_level = domain.highLevel();
   Models models = readModels(options.domain + "/models.yaml", domain.description());
   std::vector<reasoner::Literal> state;
   for (const std::string& literal : literalsOf(options.state))

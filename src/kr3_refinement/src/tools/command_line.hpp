@@ -9,6 +9,11 @@
 #include "kr3_refinement/pomdp_task.hpp"
 #include "kr3_refinement/zoom.hpp"
 
+namespace CLI
+{
+class App;
+}
+
 /// What the package's command-line tools share.
 namespace kr3::refinement::tools
 {
@@ -26,6 +31,11 @@ struct Options
   std::string pomdp;
   double solve_s = 0.0;
 };
+
+/// Adds the options that say which domain: its directory, its map or the grid made for it.
+void addDomainOptions(CLI::App& app, Options& options);
+
+[[nodiscard]] LowLevelDomain loadDomain(const Options& options);
 
 /// Exits when the arguments are wrong or ask for help.
 [[nodiscard]] Options parse(int argc, char** argv, const std::string& purpose);
