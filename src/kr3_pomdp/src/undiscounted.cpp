@@ -47,7 +47,7 @@ public:
         if (keeps(a, s) && model_->reward(a, s) >= 0.0)
         {
           char reward[32];
-          std::snprintf(reward, sizeof(reward), "%g", model_->reward(a, s));
+          std::snprintf(reward, sizeof(reward), "%g", model_->reward(a, s) + 0.0);  // 0, not -0
           throw InvalidArgument(
               "discount 1, and from state '" + model_->stateName(s) +
               "' the robot can go on for ever and do '" + model_->actionName(a) +

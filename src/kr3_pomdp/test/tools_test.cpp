@@ -110,6 +110,24 @@ TEST_F(Tools, SolveEvaluateAndConvertPassAPolicyOn)
   }
 }
 
+TEST_F(Tools, SolveOverAHorizonAndExactly)
+{
+  const std::string tiger = path("tiger.pomdp") + " --horizon 3 --time 0 --policy ";
+  const Outcome exact = run("kr3_solve", tiger + path("exact.policy") + " --exact");
+  EXPECT_EQ(exact.exit_code, 0) << exact.output;
+  EXPECT_EQ(exact.output.substr(0, 22), "optimum in [2.309800, ") << exact.output;
+  const Outcome bounds = run("kr3_solve", tiger + path("bounds.policy") + " --backups 500");
+  EXPECT_EQ(bounds.exit_code, 0) << bounds.output;
+  for (const std::string policy : {"exact.policy", "bounds.policy"})
+  {
+    const Outcome value =
+        run("kr3_evaluate", path("tiger.pomdp") + " " + path(policy) + " --trials 100");
+    EXPECT_NE(value.output.find("trials of 3.0 steps"), std::string::npos) << value.output;
+    EXPECT_NE(value.output.find("own value: 2.309"), std::string::npos) << value.output;
+  }
+  EXPECT_NE(run("kr3_solve", path("tiger.pomdp") + " --horizon 3 --format appl").exit_code, 0);
+}
+
 TEST_F(Tools, ConvertModels)
 {
   EXPECT_EQ(run("kr3_convert", path("tiger.pomdp") + " " + path("t.pomdpx")).output, "");

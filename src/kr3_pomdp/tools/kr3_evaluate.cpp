@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <cstdio>
+#include <fstream>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
+#include "kr3_pomdp/finite_horizon.hpp"
 #include "kr3_pomdp/policy_format.hpp"
 #include "kr3_pomdp/pomdpx_format.hpp"
 #include "kr3_pomdp/simulation.hpp"
@@ -35,22 +37,54 @@ Policy load(const Options& options, const Model& model)
                     options.format == "appl" ? PolicyFormat::kAppl : PolicyFormat::kKr3);
 }
 
-void run(const Options& options)
+void print(const Evaluation& value)
 {
-  const Model model = loadModel(options.model);
-  const Policy policy = load(options, model);
-  const Evaluation value = evaluate(model, policy, options.limits, options.seed);
   std::printf(
       "%.5f (95 %%: %.5f, %.5f), %llu trials of %.1f steps on average, %.1f %% of them finished\n",
       value.mean, value.mean - value.half_width_95, value.mean + value.half_width_95,
       static_cast<unsigned long long>(value.trials), value.mean_steps, 100.0 * value.finished);
+}
+
+/// Of a policy of kr3_solve its own value is a lower bound; others promise nothing.
+void printOwn(const Model& model, const Policy& policy)
+{
   double own = 0.0;
   for (const InitialOutcome& outcome : model.initialOutcomes())
   {
     own += outcome.probability * policy.valueAt(outcome.belief);
   }
-  // Of a policy of kr3_solve this is a lower bound; others promise nothing.
   std::printf("the policy's own value: %.5f\n", own);
+}
+
+/// Whether the file has a policy for each step.
+bool isHorizonPolicy(const std::string& path)
+{
+  std::ifstream in(path);
+  std::string word;
+  return in >> word && word == "kr3_horizon_policy";
+}
+
+/// Prints the value over the policy's horizon.
+void runOverHorizon(const Options& options)
+{
+  const Model model = loadModel(options.model);
+  std::ifstream in(options.policy);
+  const HorizonPolicy policy = HorizonPolicy::read(in, options.policy);
+  print(evaluate(model, policy, options.limits, options.seed));
+  printOwn(model, policy.at(0));
+}
+
+void run(const Options& options)
+{
+  if (options.format == "auto" && isHorizonPolicy(options.policy))
+  {
+    runOverHorizon(options);
+    return;
+  }
+  const Model model = loadModel(options.model);
+  const Policy policy = load(options, model);
+  print(evaluate(model, policy, options.limits, options.seed));
+  printOwn(model, policy);
 }
 
 }  // namespace

@@ -10,6 +10,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include <kr3_common/error.hpp>
+
+#include "kr3_pomdp/exact_solver.hpp"
+#include "kr3_pomdp/finite_horizon.hpp"
 #include "kr3_pomdp/policy_format.hpp"
 #include "kr3_pomdp/pomdpx_format.hpp"
 #include "kr3_pomdp/solver.hpp"
@@ -34,6 +38,8 @@ struct Options
   double cpu_time_s = 0.0;
   double memory_mib = 0.0;
   SolverLimits limits;
+  std::size_t horizon = 0;
+  bool exact = false;
   bool quiet = false;
 };
 
@@ -68,15 +74,53 @@ private:
   std::FILE* out_;
 };
 
+/// Small models, by incremental pruning.
+void runExactly(const Options& options, const Model& model, std::FILE* out,
+                std::optional<tool::OutputFile>& output)
+{
+  ExactLimits limits;
+  limits.horizon = options.horizon;
+  limits.precision = options.limits.precision;
+  limits.time_s = options.limits.time_s;
+  const ExactSolution solution = solveExactly(model, limits);
+  const double value = startValue(model, solution);
+  std::fprintf(out, "optimum in [%.6f, %.6f], %zu vectors after %zu iterations, %.3f s CPU\n",
+               value, value + solution.error, solution.stages.back().numAlphaVectors(),
+               solution.iterations, processCpuSeconds());
+  if (output)
+  {
+    if (options.horizon > 0)
+    {
+      HorizonPolicy(solution).write(output->stream());
+    }
+    else
+    {
+      solution.stages.back().write(output->stream());
+    }
+    output->finish();
+  }
+}
+
 void run(const Options& options)
 {
+  if ((options.exact || options.horizon > 0) && options.format != "kr3")
+  {
+    throw kr3::InvalidArgument("--format " + options.format +
+                               ", expected kr3 with --exact or --horizon");
+  }
   // What cannot be written is known before the work.
   std::optional<tool::OutputFile> output;
   if (!options.policy.empty())
   {
     output.emplace(options.policy);
   }
-  const Model model = loadModel(options.model);
+  const Model loaded = loadModel(options.model);
+  if (options.exact)
+  {
+    runExactly(options, loaded, options.policy == "-" ? stderr : stdout, output);
+    return;
+  }
+  const Model model = options.horizon > 0 ? overHorizon(loaded, options.horizon) : loaded;
   SolverLimits limits = options.limits;
   limits.max_memory_bytes = static_cast<std::size_t>(options.memory_mib * kMebibyte);
   Report report(options.policy == "-" ? stderr : stdout);
@@ -111,7 +155,11 @@ void run(const Options& options)
   report.stopped(reason);
   if (output)
   {
-    if (options.format == "appl")
+    if (options.horizon > 0)
+    {
+      HorizonPolicy(result.policy, options.horizon).write(output->stream());
+    }
+    else if (options.format == "appl")
     {
       writeApplPolicy(output->stream(), result.policy, model, options.model);
     }
@@ -153,6 +201,12 @@ int main(int argc, char** argv)
   app.add_option("--threads", options.limits.num_threads, "threads that search")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--horizon", options.horizon,
+                 "steps after which all is over; 0 = none. The policy is one for each step")
+      ->capture_default_str();
+  app.add_flag(
+      "--exact", options.exact,
+      "small models: exactly, by incremental pruning; --precision, --time and --horizon hold");
   app.add_option("--policy", options.policy,
                  "file to write the policy to; - = the standard output, and the bounds to stderr");
   app.add_option("--format", options.format, "of the policy: kr3 or appl")
