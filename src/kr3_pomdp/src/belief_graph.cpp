@@ -231,6 +231,8 @@ void BeliefGraph::refreshLower(NodeId id)
   {
     const PackedBelief belief =
         node.belief == kNone ? unpacked(id).packed() : beliefs_[node.belief];
+    work_ += std::min<std::uint64_t>(set.numAlive(), set.end() - node.vectors_seen) * 2 *
+             (1 + belief.num_blocks);
     const VectorSet::Best best = set.best(belief, node.vectors_seen, {node.lower, node.vector});
     node.lower = best.value;
     node.vector = best.vector;
@@ -246,6 +248,7 @@ double BeliefGraph::lower(NodeId node)
 
 double BeliefGraph::upper(NodeId id)
 {
+  ++work_;
   Node& node = nodes_[id];
   if (source_ != nullptr && node.source_version != source_->version())
   {
@@ -255,6 +258,7 @@ double BeliefGraph::upper(NodeId id)
   const SawtoothSet& set = points_[node.state_class];
   if (node.points_seen != set.end())
   {
+    work_ += std::min<std::uint64_t>(set.numPoints(), set.end() - node.points_seen);
     node.upper = set.value(unpacked(id), node.points_seen, node.upper);
     node.points_seen = set.end();
   }
@@ -277,6 +281,10 @@ void BeliefGraph::setUpper(NodeId id, double value)
   }
   node.point = set.add(belief, beliefs_[node.belief], value);
   node.upper = value;
+  if (recording_)
+  {
+    new_points_.push_back(id);
+  }
   set_bytes_ += set.sizeInBytes();
 }
 
@@ -295,7 +303,13 @@ void BeliefGraph::addVector(std::uint32_t state_class, std::uint32_t action,
   VectorSet& set = vectors_[state_class];
   set_bytes_ -= set.sizeInBytes();
   num_vectors_ -= set.numAlive();
+  const std::uint32_t end = set.end();
+  work_ += 2 * set.numAlive();
   set.add(action, values);
+  if (recording_ && set.end() != end)
+  {
+    new_vectors_.push_back({state_class, end});
+  }
   num_vectors_ += set.numAlive();
   set_bytes_ += set.sizeInBytes();
 }
@@ -357,6 +371,7 @@ void BeliefGraph::expand(NodeId id, std::size_t action)
     const double total = follow(beliefs_[nodes_[id].belief], branches[b], next_);
     if (total > 0.0)
     {
+      work_ += kLanes * (1 + next_.packed().num_blocks);
       const Origin origin{id, static_cast<std::uint32_t>(action), static_cast<std::uint32_t>(b)};
       edges.push_back({total, find(branches[b].target_class, next_, &origin), origin.branch});
     }
@@ -481,6 +496,7 @@ std::vector<double> BeliefGraph::backedUpVector(NodeId node, std::size_t action)
     const NodeId child = possible ? (edge++)->child : fallback(state_class, action, b);
     refreshLower(child);
     const Branch& branch = model_action.branches[b];
+    work_ += branch.joint.numEntries();
     const VectorSet& set = vectors_[branch.target_class];
     const double* next_values = set.values(set.living(nodes_[child].vector));
     for (std::size_t s = 0; s < values.size(); ++s)
@@ -510,6 +526,51 @@ void BeliefGraph::backUp(NodeId id, Width width)
               backedUpVector(id, best_lower.action));
     refreshLower(id);
   }
+}
+
+Findings BeliefGraph::takeFindings()
+{
+  Findings findings;
+  for (const NewVector& added : new_vectors_)
+  {
+    const VectorSet& set = vectors_[added.state_class];
+    if (set.isAlive(added.number))
+    {
+      const double* values = set.values(added.number);
+      findings.vectors.push_back(
+          {added.state_class,
+           set.action(added.number),
+           {values, values + model_->classes()[added.state_class].states.size()}});
+    }
+  }
+  std::sort(new_points_.begin(), new_points_.end());
+  new_points_.erase(std::unique(new_points_.begin(), new_points_.end()), new_points_.end());
+  for (const NodeId node : new_points_)
+  {
+    findings.points.push_back({nodes_[node].state_class, belief(node), nodes_[node].upper});
+  }
+  new_vectors_.clear();
+  new_points_.clear();
+  return findings;
+}
+
+void BeliefGraph::take(const Findings& findings)
+{
+  const bool recording = std::exchange(recording_, false);
+  for (const Findings::Vector& vector : findings.vectors)
+  {
+    addVector(vector.state_class, vector.action, vector.values);
+  }
+  for (const Findings::Point& point : findings.points)
+  {
+    const NodeId node = nodeOf(point.state_class, point.belief);
+    const double known = nodes_[node].upper;  // may be out of date: the point is worth it there
+    if (point.upper < known - worthwhile(known))
+    {
+      setUpper(node, point.upper);
+    }
+  }
+  recording_ = recording;
 }
 
 }  // namespace kr3::pomdp

@@ -35,6 +35,25 @@ struct NodeAction
   bool useless;        ///< its upper bound fell below the node's lower bound: never optimal here
 };
 
+/// What a graph found, for another graph of the same model.
+struct Findings
+{
+  struct Vector
+  {
+    std::uint32_t state_class;
+    std::uint32_t action;
+    std::vector<double> values;  ///< shape [states of the class]
+  };
+  struct Point
+  {
+    std::uint32_t state_class;
+    std::vector<double> belief;  ///< shape [states of the class]
+    double upper;
+  };
+  std::vector<Vector> vectors;
+  std::vector<Point> points;
+};
+
 /// Beliefs that were met, each once, with their bounds; and the two value functions.
 ///
 /// Bounds of a node are brought up to date when asked for: only vectors and points that came since
@@ -101,6 +120,15 @@ public:
   /// lowers the upper bound.
   void backUp(NodeId node, Width width);
 
+  /// From now on, keeps account of what is found here, for takeFindings().
+  void recordFindings() { recording_ = true; }
+  /// What was found since the last time and still is the best known.
+  Findings takeFindings();
+  /// Takes over what another graph of the same model found.
+  void take(const Findings& findings);
+  /// Counted work so far: the same in every run, and about as long for the same count.
+  [[nodiscard]] std::uint64_t work() const { return work_; }
+
 private:
   static constexpr std::uint32_t kNone = 0xffffffff;
   struct Node
@@ -162,6 +190,15 @@ private:
   std::size_t num_vectors_ = 0;
   std::size_t set_bytes_ = 0;  // vectors and points
   std::size_t fixed_bytes_ = 0;
+  std::uint64_t work_ = 0;
+  bool recording_ = false;
+  struct NewVector
+  {
+    std::uint32_t state_class;
+    std::uint32_t number;
+  };
+  std::vector<NewVector> new_vectors_;
+  std::vector<NodeId> new_points_;
   // Work space.
   UnpackedBelief unpacked_;
   NodeId unpacked_node_ = kNone;

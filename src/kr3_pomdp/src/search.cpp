@@ -10,7 +10,6 @@ namespace
 
 constexpr std::size_t kMaxDepth = 2000;
 constexpr double kTrialTarget = 0.5;   // of the root's gap
-constexpr double kSampledShare = 0.5;  // of the trials
 constexpr double kSourceShare = 0.5;   // pieces of work on the graph's source for each backup
 constexpr double kOptimistic = 0.25;   // probability
 constexpr double kExploration = 0.1;   // probability
@@ -20,20 +19,9 @@ constexpr double kLeastGap = 0.01;     // of the root's gap
 
 }  // namespace
 
-Search::Search(BeliefGraph& graph, double precision, const SolverParts& parts,
-               Supervisor& supervisor)
-  : graph_(&graph)
-  , precision_(precision)
-  , sampled_share_(!parts.sampled_trials ? 0.0
-                   : !parts.upper_trials ? 1.0
-                                         : kSampledShare)
-  , supervisor_(&supervisor)
+Search::Search(BeliefGraph& graph, double precision, const SearchStyle& style)
+  : graph_(&graph), precision_(precision), style_(style), random_(style.seed)
 {
-}
-
-bool Search::mayGoOn()
-{
-  return supervisor_->mayGoOn({lower(), upper(), graph_->numVectors(), graph_->sizeInBytes()});
 }
 
 template <typename ValueOf>
@@ -61,31 +49,35 @@ bool Search::isSourceDue() const
 {
   const UpperBoundSource* source = graph_->source();
   return source != nullptr && !source->finished() &&
-         static_cast<double>(source_work_) <
-             kSourceShare * static_cast<double>(supervisor_->backups());
+         static_cast<double>(source_work_) < kSourceShare * static_cast<double>(backups_);
 }
 
-void Search::run()
+void Search::step()
 {
-  double sampled_due = 0.0;
-  while (mayGoOn())
+  if (path_.empty())
   {
     if (isSourceDue())
     {
       graph_->source()->advance();
       ++source_work_;
-      continue;
+      return;
     }
-    sampled_due += sampled_share_;
-    if (sampled_due >= 1.0)
+    sampled_due_ += style_.sampled_share;
+    if (sampled_due_ >= 1.0)
     {
-      sampled_due -= 1.0;
+      sampled_due_ -= 1.0;
       sampledTrial();
     }
     else
     {
       upperTrial();
     }
+  }
+  if (!path_.empty())
+  {
+    graph_->backUp(path_.back(), width_);
+    path_.pop_back();
+    ++backups_;
   }
 }
 
@@ -127,34 +119,48 @@ NodeId Search::sampledRoot()
 /// Source: Smith and Simmons (2004); the trial's target shrinks with the gap at the root.
 void Search::upperTrial()
 {
+  const bool draw = uniform() < style_.drawn_share;
   NodeId node = widestRoot();
   const double root_gap = graph_->upper(node) - graph_->lower(node);
   double allowed = std::max(precision_ * kTrialTarget, root_gap * kTrialTarget);
-  path_.clear();
+  width_ = BeliefGraph::Width::kExpanded;
   while (path_.size() < kMaxDepth && graph_->upper(node) - graph_->lower(node) > allowed)
   {
     path_.push_back(node);
     allowed /= graph_->model().discount();
     const std::size_t action = graph_->bestUpper(node).action;
-    double most = 0.0;
-    NodeId next = node;
-    for (const Edge& edge : graph_->edges(node, action))
-    {
-      const double gap = graph_->upper(edge.child) - graph_->lower(edge.child);
-      const double excess = edge.probability * (gap - allowed);
-      if (excess > most)
-      {
-        most = excess;
-        next = edge.child;
-      }
-    }
+    const NodeId next = widestChild(node, action, allowed, draw);
     if (next == node)
     {
       break;
     }
     node = next;
   }
-  backUpPath(BeliefGraph::Width::kExpanded);
+}
+
+/// The outcome that adds most to the gap beyond what is allowed, or one drawn by what it adds; the
+/// node itself if none does.
+NodeId Search::widestChild(NodeId node, std::size_t action, double allowed, bool draw)
+{
+  double most = 0.0;
+  double total = 0.0;
+  NodeId widest = node;
+  for (const Edge& edge : graph_->edges(node, action))
+  {
+    const double gap = graph_->upper(edge.child) - graph_->lower(edge.child);
+    const double excess = edge.probability * (gap - allowed);
+    if (excess <= 0.0)
+    {
+      continue;
+    }
+    total += excess;
+    if (draw ? uniform() * total < excess : excess > most)
+    {
+      most = excess;
+      widest = edge.child;
+    }
+  }
+  return widest;
 }
 
 /// Samples what happens, mostly under the policy found so far, at times under the
@@ -165,10 +171,8 @@ void Search::sampledTrial()
   NodeId node = sampledRoot();
   const double root_gap = graph_->upper(node) - graph_->lower(node);
   const bool optimistic = uniform() < kOptimistic;
-  const BeliefGraph::Width width =
-      uniform() < kThorough ? BeliefGraph::Width::kAll : BeliefGraph::Width::kExpanded;
+  width_ = uniform() < kThorough ? BeliefGraph::Width::kAll : BeliefGraph::Width::kExpanded;
   double weight = 1.0;
-  path_.clear();
   while (path_.size() < kMaxDepth && weight > kLeastWeight &&
          weight * (graph_->upper(node) - graph_->lower(node)) > kLeastGap * root_gap)
   {
@@ -181,11 +185,10 @@ void Search::sampledTrial()
     }
     else if (!optimistic)
     {
-      action = graph_->bestLower(node, width).action;
+      action = graph_->bestLower(node, width_).action;
     }
     node = sampledChild(node, action);
   }
-  backUpPath(width);
 }
 
 std::size_t Search::anyUseful(NodeId node)
@@ -212,19 +215,6 @@ NodeId Search::sampledChild(NodeId node, std::size_t action)
     ++e;
   }
   return edges[e].child;
-}
-
-void Search::backUpPath(BeliefGraph::Width width)
-{
-  for (std::size_t i = path_.size(); i-- > 0;)
-  {
-    graph_->backUp(path_[i], width);
-    supervisor_->countBackup();
-    if (i > 0 && !mayGoOn())
-    {
-      return;
-    }
-  }
 }
 
 /// Uniform in [0, 1), the same with every standard library.

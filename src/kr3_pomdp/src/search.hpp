@@ -6,11 +6,18 @@
 #include <vector>
 
 #include "belief_graph.hpp"
-#include "solver_parts.hpp"
-#include "supervisor.hpp"
 
 namespace kr3::pomdp
 {
+
+/// How one search differs from another one of the same model.
+struct SearchStyle
+{
+  std::uint64_t seed = 1;
+  double sampled_share = 0.5;  ///< of the trials, in [0, 1]
+  double drawn_share = 0.5;    ///< of the trials along the upper bound that draw outcomes by what
+                               ///< they add to the gap, instead of taking the greatest; in [0, 1]
+};
 
 /// Brings the bounds at the start of a belief graph together: walks from there, then backs up along
 /// the way in reverse.
@@ -21,38 +28,41 @@ namespace kr3::pomdp
 class Search
 {
 public:
-  /// The graph and the supervisor outlive this object.
+  /// The graph outlives this object.
   /// @param precision  gap at the start that is small enough
-  Search(BeliefGraph& graph, double precision, const SolverParts& parts, Supervisor& supervisor);
+  Search(BeliefGraph& graph, double precision, const SearchStyle& style);
 
-  /// Until the supervisor says stop.
-  void run();
+  /// One backup, or a piece of work on the graph's source of bounds. May do nothing when the gap is
+  /// closed or a sampled walk ends at once.
+  void step();
 
+  [[nodiscard]] std::uint64_t backups() const { return backups_; }
   /// Bounds of the value before anything is seen.
   double lower();
   double upper();
 
 private:
-  bool mayGoOn();
   bool isSourceDue() const;
   template <typename ValueOf>
   double expected(const ValueOf& value_of);
   NodeId widestRoot();
   NodeId sampledRoot();
+  NodeId widestChild(NodeId node, std::size_t action, double allowed, bool draw);
   void upperTrial();
   void sampledTrial();
   std::size_t anyUseful(NodeId node);
   NodeId sampledChild(NodeId node, std::size_t action);
-  void backUpPath(BeliefGraph::Width width);
   double uniform();
 
   BeliefGraph* graph_;
   double precision_;
-  double sampled_share_;  // of the trials
-  Supervisor* supervisor_;
-  std::vector<NodeId> path_;
+  SearchStyle style_;
+  std::vector<NodeId> path_;  // still to be backed up, the last first
+  BeliefGraph::Width width_ = BeliefGraph::Width::kExpanded;
+  std::uint64_t backups_ = 0;
+  double sampled_due_ = 0.0;       // trials
   std::uint64_t source_work_ = 0;  // pieces
-  std::mt19937_64 random_{1};      // fixed, so that a run repeats
+  std::mt19937_64 random_;
 };
 
 }  // namespace kr3::pomdp

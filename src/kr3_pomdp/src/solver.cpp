@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <string>
 #include <utility>
 
 #include <kr3_common/error.hpp>
 
 #include "belief_graph.hpp"
-#include "exclusion_bound.hpp"
-#include "search.hpp"
+#include "search_team.hpp"
 #include "solver_parts.hpp"
 #include "supervisor.hpp"
 
@@ -182,12 +180,9 @@ SolveResult solveWith(const Model& model, const SolverLimits& limits, const Solv
   {
     keepCorners(informed);
   }
-  const std::unique_ptr<UpperBoundSource> source =
-      parts.noise_free_bound ? ExclusionBound::make(observed, informed) : nullptr;
-  BeliefGraph graph(observed, std::move(informed), blind, source.get());
-  Search search(graph, limits.precision, parts, supervisor);
-  search.run();
-  Policy policy = policyOf(graph, first);
+  SearchTeam team(observed, std::move(informed), blind, limits, parts, supervisor);
+  team.run();
+  Policy policy = policyOf(team.graph(), first);
   double lower = 0.0;
   for (const InitialOutcome& outcome : model.initialOutcomes())
   {
@@ -195,12 +190,12 @@ SolveResult solveWith(const Model& model, const SolverLimits& limits, const Solv
   }
   return {std::move(policy),
           lower,
-          std::max(lower, search.upper()),
+          std::max(lower, team.upper()),
           supervisor.backups(),
           supervisor.reason(),
           supervisor.elapsedSeconds(),
           supervisor.cpuSeconds(),
-          graph.sizeInBytes()};
+          team.sizeInBytes()};
 }
 
 }  // namespace kr3::pomdp

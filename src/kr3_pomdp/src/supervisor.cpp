@@ -6,17 +6,12 @@
 namespace kr3::pomdp
 {
 
-namespace
-{
-
 double threadCpuSeconds()
 {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
-
-}  // namespace
 
 Supervisor::Supervisor(const SolverLimits& limits, const ProgressCallback& keep_going)
   : limits_(&limits)
@@ -33,7 +28,7 @@ double Supervisor::elapsedSeconds() const
 
 double Supervisor::cpuSeconds() const
 {
-  return threadCpuSeconds() - cpu_start_s_;
+  return threadCpuSeconds() - cpu_start_s_ + others_cpu_s_;
 }
 
 void Supervisor::stop(StopReason reason)
@@ -44,6 +39,7 @@ void Supervisor::stop(StopReason reason)
 
 bool Supervisor::mayGoOn(const SearchState& state)
 {
+  backups_ = state.backups;
   lower_ = std::max(lower_, state.lower);
   upper_ = std::max(lower_, std::min(upper_, state.upper));
   if (stopped_)
@@ -63,7 +59,7 @@ bool Supervisor::mayGoOn(const SearchState& state)
   {
     stop(StopReason::kMemoryLimit);
   }
-  else if (limits_->time_s > 0.0 && elapsed_s >= limits_->time_s)
+  else if (isTimeUp())
   {
     stop(StopReason::kTimeLimit);
   }
@@ -77,7 +73,7 @@ bool Supervisor::mayGoOn(const SearchState& state)
 
 bool Supervisor::mayPrepare()
 {
-  if (!stopped_ && limits_->time_s > 0.0 && elapsedSeconds() >= limits_->time_s)
+  if (!stopped_ && isTimeUp())
   {
     stop(StopReason::kTimeLimit);
   }

@@ -15,11 +15,15 @@ struct SearchState
 {
   double lower;  ///< at the start
   double upper;  ///< at the start
+  std::uint64_t backups;
   std::size_t num_vectors;
   std::size_t memory_bytes;
 };
 
-/// Decides when a run stops, and reports its progress. Not thread-safe.
+/// CPU time of the calling thread.
+[[nodiscard]] double threadCpuSeconds();
+
+/// Decides when a run stops, and reports its progress. Not thread-safe, but for isTimeUp().
 class Supervisor
 {
 public:
@@ -31,7 +35,18 @@ public:
   [[nodiscard]] double cpuSeconds() const;
   [[nodiscard]] StopReason reason() const { return reason_; }
   [[nodiscard]] std::uint64_t backups() const { return backups_; }
-  void countBackup() { ++backups_; }
+  /// Of another thread.
+  void countCpuSeconds(double cpu_s) { others_cpu_s_ += cpu_s; }
+  /// Whether the time is up; safe to ask from any thread.
+  [[nodiscard]] bool isTimeUp() const
+  {
+    return limits_->time_s > 0.0 && elapsedSeconds() >= limits_->time_s;
+  }
+  /// Whether it stopped for what cannot wait: the time is up, or the caller said no.
+  [[nodiscard]] bool isUrgent() const
+  {
+    return stopped_ && (reason_ == StopReason::kTimeLimit || reason_ == StopReason::kCancelled);
+  }
 
   /// Reports, and says whether work may go on.
   bool mayGoOn(const SearchState& state);
@@ -46,6 +61,7 @@ private:
   const ProgressCallback* keep_going_;
   Clock::time_point start_;
   double cpu_start_s_;
+  double others_cpu_s_ = 0.0;
   std::uint64_t backups_ = 0;
   double lower_ = -std::numeric_limits<double>::infinity();
   double upper_ = std::numeric_limits<double>::infinity();
