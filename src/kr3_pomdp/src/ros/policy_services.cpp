@@ -175,6 +175,7 @@ fs::path PolicyFiles::pathOf(const std::string& name) const
 std::string PolicyFiles::save(const std::string& name, const std::string& text) const
 {
   const fs::path path = pathOf(name);
+  const std::lock_guard<std::mutex> lock(*saving_);
   fs::path draft = path;
   draft += "." + std::to_string(getpid()) + ".draft";
   std::error_code error;

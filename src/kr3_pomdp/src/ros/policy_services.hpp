@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include <ros/node_handle.h>
@@ -17,7 +18,7 @@ namespace kr3::pomdp
 
 /// Files of policies in one directory.
 ///
-/// Thread-safe.
+/// Thread-safe; copies write one after the other, too.
 class PolicyFiles
 {
 public:
@@ -41,6 +42,8 @@ private:
 
   std::filesystem::path directory_;
   std::size_t max_bytes_;
+  std::shared_ptr<std::mutex> saving_ =
+      std::make_shared<std::mutex>();  // held while a file is written
 };
 
 /// What load_policy takes in at most.
