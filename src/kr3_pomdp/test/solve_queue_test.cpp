@@ -209,6 +209,25 @@ TEST(SolveQueue, ACancelledRequestThatWaitsEndsAtOnce)
   EXPECT_EQ(queue.numRunning(), 1U);
 }
 
+TEST(SolveQueue, AStepThatCannotBeInterruptedIsNotWaitedFor)
+{
+  Log log;
+  SolveQueue::Options options;
+  options.grace_s = 0.0;
+  SolveQueue queue(newStore(), options);
+  SolveRequest request = quick();
+  request.model.text =  // two statements, of many entries
+      "discount: 0.9\nvalues: reward\nstates: 800\nactions: 4\nobservations: 2\n"
+      "T: * uniform\nO: * uniform\n";
+  queue.submit("a", request, log.callbacks("a"));
+  (void)log.report("a", SolvePhase::kReading);
+  queue.cancelIf(kAll);
+  EXPECT_TRUE(log.outcome("a").cancelled);
+  EXPECT_EQ(messageOf(log.outcome("a")), "cancelled before there was a policy");
+  queue.submit("b", quick(), log.callbacks("b"));
+  EXPECT_FALSE(log.outcome("b").error);
+}
+
 TEST(SolveQueue, TheSameContentIsSolvedOnce)
 {
   Log log;
