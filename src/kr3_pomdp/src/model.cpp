@@ -24,38 +24,95 @@ std::size_t SharedRows::sizeInBytes() const
          (distinct_.numRows() + 1) * sizeof(std::size_t) + numbers_.size() * sizeof(std::uint32_t);
 }
 
-void SharedRowsBuilder::append(const std::vector<SparseEntry>& row)
+namespace
 {
-  std::uint64_t hash = row.size();
-  for (const SparseEntry& entry : row)
+
+constexpr std::uint64_t kTagBits = 0xffffffff00000000ULL;
+constexpr std::uint64_t kLine = 8;  // slots in a line of the cache
+
+/// Equal for rows of one form that lead to neighbours.
+std::uint64_t hashOf(const SparseEntry* first, const SparseEntry* last)
+{
+  std::uint64_t hash = 0;
+  for (const SparseEntry* entry = first; entry != last; ++entry)
   {
     std::uint64_t bits = 0;
-    std::memcpy(&bits, &entry.probability, sizeof(bits));
-    hash = (hash ^ (bits + entry.index)) * 0x9e3779b97f4a7c15ULL;
+    std::memcpy(&bits, &entry->probability, sizeof(bits));
+    hash = (hash ^ (bits + (entry->index - first->index))) * 0x9e3779b97f4a7c15ULL;
     hash ^= hash >> 29;
   }
-  const auto [first, last] = index_.equal_range(hash);
-  for (auto found = first; found != last; ++found)
+  hash = (hash ^ (first == last ? 0 : first->index / kLine)) * 0x9e3779b97f4a7c15ULL;
+  return hash ^ (hash >> 29);
+}
+
+/// Where the search for a row begins. Neighbours come one after the other, and lie so too.
+std::uint64_t homeOf(const SparseEntry* first, const SparseEntry* last, std::uint64_t hash)
+{
+  return hash * kLine + (first == last ? 0 : first->index % kLine);
+}
+
+}  // namespace
+
+std::size_t SharedRowsBuilder::slotOf(const std::vector<SparseEntry>& row, std::uint64_t hash) const
+{
+  const std::size_t mask = slots_.size() - 1;
+  for (std::size_t slot = homeOf(row.data(), row.data() + row.size(), hash) & mask;;
+       slot = (slot + 1) & mask)
   {
-    const SparseRow other = rows_.distinct_.row(found->second);
-    if (std::equal(row.begin(), row.end(), other.begin(), other.end(),
-                   [](const SparseEntry& p, const SparseEntry& q) {
-      return p.index == q.index && p.probability == q.probability;
-        }))
+    if (slots_[slot] == 0)
     {
-      rows_.numbers_.push_back(found->second);
-      return;
+      return slot;
+    }
+    if ((slots_[slot] & kTagBits) == (hash & kTagBits))
+    {
+      const SparseRow other = rows_.distinct_.row((slots_[slot] & ~kTagBits) - 1);
+      if (std::equal(row.begin(), row.end(), other.begin(), other.end(),
+                     [](const SparseEntry& p, const SparseEntry& q) {
+        return p.index == q.index && p.probability == q.probability;
+          }))
+      {
+        return slot;
+      }
     }
   }
-  const auto number = static_cast<std::uint32_t>(rows_.distinct_.numRows());
-  rows_.distinct_.append(row);
-  rows_.numbers_.push_back(number);
-  index_.emplace(hash, number);
+}
+
+void SharedRowsBuilder::grow()
+{
+  slots_.assign(std::max<std::size_t>(64, 2 * slots_.size()), 0);
+  const std::size_t mask = slots_.size() - 1;
+  for (std::size_t i = 0; i < rows_.distinct_.numRows(); ++i)
+  {
+    const SparseRow row = rows_.distinct_.row(i);
+    const std::uint64_t hash = hashOf(row.begin(), row.end());
+    std::size_t slot = homeOf(row.begin(), row.end(), hash) & mask;
+    while (slots_[slot] != 0)
+    {
+      slot = (slot + 1) & mask;
+    }
+    slots_[slot] = (hash & kTagBits) | (i + 1);
+  }
+}
+
+void SharedRowsBuilder::append(const std::vector<SparseEntry>& row)
+{
+  if (2 * (rows_.distinct_.numRows() + 1) > slots_.size())
+  {
+    grow();
+  }
+  const std::uint64_t hash = hashOf(row.data(), row.data() + row.size());
+  const std::size_t slot = slotOf(row, hash);
+  if (slots_[slot] == 0)
+  {
+    rows_.distinct_.append(row);
+    slots_[slot] = (hash & kTagBits) | rows_.distinct_.numRows();
+  }
+  rows_.numbers_.push_back(static_cast<std::uint32_t>((slots_[slot] & ~kTagBits) - 1));
 }
 
 SharedRows SharedRowsBuilder::take()
 {
-  index_.clear();
+  slots_.clear();
   return std::exchange(rows_, {});
 }
 

@@ -30,6 +30,15 @@ PomdpxParameter::PomdpxParameter(const XmlText& text, const FactoredModel& model
   {
     num_outcomes_ *= model.variable(ref).values.size();
   }
+  for (std::size_t i = 0; i < scope_.size(); ++i)
+  {
+    sizes_.push_back(variable(i).values.size());
+  }
+  strides_.assign(sizes_.size(), 1);
+  for (std::size_t i = sizes_.size(); i-- > 1;)
+  {
+    strides_[i - 1] = strides_[i] * sizes_[i];
+  }
 }
 
 void PomdpxParameter::fill(const pugi::xml_node& parameter)
@@ -53,29 +62,33 @@ template <typename Value>
 void PomdpxParameter::set(const Box& box, const Value& value)
 {
   std::vector<std::size_t> at(box.size());
+  std::vector<std::size_t> free;
+  std::size_t index = 0;
   for (std::size_t i = 0; i < box.size(); ++i)
   {
     at[i] = box[i].value_or(0);
+    index += at[i] * strides_[i];
+    if (!box[i])
+    {
+      free.push_back(i);
+    }
   }
   while (true)
   {
-    std::size_t index = 0;
-    for (std::size_t i = 0; i < at.size(); ++i)
-    {
-      index = index * variable(i).values.size() + at[i];
-    }
     factor_.values[index] = value(at);
-    std::size_t i = at.size();
-    while (i > 0 && (box[i - 1] || at[i - 1] + 1 == variable(i - 1).values.size()))
+    std::size_t i = free.size();
+    while (i > 0 && at[free[i - 1]] + 1 == sizes_[free[i - 1]])
     {
       --i;
-      at[i] = box[i].value_or(0);
+      index -= at[free[i]] * strides_[free[i]];
+      at[free[i]] = 0;
     }
     if (i == 0)
     {
       return;
     }
-    ++at[i - 1];
+    ++at[free[i - 1]];
+    index += strides_[free[i - 1]];
   }
 }
 
@@ -127,7 +140,7 @@ void PomdpxParameter::entry(const pugi::xml_node& element)
     if (words[i].text == "-")
     {
       dashes.push_back(i);
-      expected *= variable(i).values.size();
+      expected *= sizes_[i];
     }
     else if (words[i].text != "*")
     {
@@ -176,7 +189,7 @@ void PomdpxParameter::entry(const pugi::xml_node& element)
     std::size_t index = 0;
     for (const std::size_t place : dashes)
     {
-      index = index * variable(place).values.size() + at[place];
+      index = index * sizes_[place] + at[place];
     }
     return values[index];
   });

@@ -49,7 +49,9 @@ private:
   const FactoredModel& model_;
   const std::map<std::string, VariableRef>& names_;
   Factor& factor_;
-  std::vector<VariableRef> scope_;  // parents, then what the factor is of
+  std::vector<VariableRef> scope_;    // parents, then what the factor is of
+  std::vector<std::size_t> sizes_;    // of the variables in the scope
+  std::vector<std::size_t> strides_;  // in the factor
   std::size_t num_outcomes_ = 1;
   std::map<std::string, pugi::xml_node> templates_;
 };

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "kr3_pomdp/belief.hpp"
@@ -79,8 +78,13 @@ public:
   [[nodiscard]] SharedRows take();
 
 private:
+  /// The slot of an equal row, or the empty one where it belongs.
+  [[nodiscard]] std::size_t slotOf(const std::vector<SparseEntry>& row, std::uint64_t hash) const;
+  void grow();
+
   SharedRows rows_;
-  std::unordered_multimap<std::uint64_t, std::uint32_t> index_;
+  // Open addressing, a power of two: the upper half of a row's hash, its number + 1 (0: empty).
+  std::vector<std::uint64_t> slots_;
 };
 
 /// The names of one kind of thing in a model; each has an index from 0.
