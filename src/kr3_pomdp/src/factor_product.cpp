@@ -27,10 +27,11 @@ std::string rowNamed(const FactoredModel& model, const Factor& factor, std::size
   for (auto parent = factor.parents.rbegin(); parent != factor.parents.rend(); ++parent)
   {
     const Variable& variable = model.variable(*parent);
-    text = (variable.name + " = ")
-               .append(variable.values[row % variable.values.size()])
-               .append(text.empty() ? "" : ", ")
-               .append(text);
+    text =
+        (std::string(parent->role == VariableRole::kCurrent ? "next " : "") + variable.name + " = ")
+            .append(variable.values[row % variable.values.size()])
+            .append(text.empty() ? "" : ", ")
+            .append(text);
     row /= variable.values.size();
   }
   return text;

@@ -64,6 +64,18 @@ private:
   Assignment& assignment_;
 };
 
+// A short description can ask for any amount of memory and time.
+constexpr std::size_t kMaxRows = std::size_t{1} << 27;
+constexpr std::size_t kMaxEntries = std::size_t{1} << 31;
+
+void checkCount(std::size_t count, std::size_t limit, const char* what)
+{
+  if (count > limit)
+  {
+    throw ResourceExhausted("a flat model of more than " + std::to_string(limit) + " " + what);
+  }
+}
+
 /// Sorts a row by index.
 void tidy(std::vector<SparseEntry>& row)
 {
@@ -97,6 +109,7 @@ public:
 
   ModelParts parts()
   {
+    checkCount(actions_.count() * states_.count(), kMaxRows, "rows (actions times states)");
     ModelParts parts;
     parts.states = joinedNames(model_.state, states_);
     parts.actions = joinedNames(model_.actions, actions_);
@@ -183,6 +196,7 @@ private:
     SharedRowsBuilder rows;
     rows.reserve(actions_.count() * states_.count());
     std::vector<SparseEntry> row;
+    std::size_t num_entries = 0;
     Walk actions(model_, model_.actions, VariableRole::kAction, assignment_);
     Walk states(model_, model_.state, role, assignment_);
     for (std::size_t a = 0; a < actions_.count(); ++a, actions.advance())
@@ -194,6 +208,8 @@ private:
         product.forEach(assignment_, [&](std::size_t combination, double probability) {
           row.push_back({static_cast<std::uint32_t>(combination * stride + offset), probability});
         });
+        num_entries += row.size();
+        checkCount(num_entries, kMaxEntries, "entries of T and O");
         tidy(row);
         rows.append(row);
       }

@@ -1,10 +1,11 @@
 #include "pomdp_lexer.hpp"
 
 #include <cctype>
-#include <cstdlib>
 #include <utility>
 
 #include <kr3_common/error.hpp>
+
+#include "number_text.hpp"
 
 namespace kr3::pomdp
 {
@@ -67,30 +68,25 @@ Token PomdpLexer::lex()
     return token;
   }
   const std::size_t first = position_++;
-  if (text_[first] == ':')
+  if (text_[first] == ':' || text_[first] == '*')
   {
-    token.kind = Token::Kind::kColon;
+    token.kind = text_[first] == ':' ? Token::Kind::kColon : Token::Kind::kStar;
   }
   else
   {
     while (position_ < text_.size() && !isBlank(text_[position_]) && text_[position_] != ':' &&
-           text_[position_] != '#')
+           text_[position_] != '*' && text_[position_] != '#')
     {
       ++position_;
     }
     token.kind = Token::Kind::kWord;
   }
   token.text = std::string_view(text_).substr(first, position_ - first);
-  if (token.text == "*")
+  if (mayStartNumber(token.text))
   {
-    token.kind = Token::Kind::kStar;
-  }
-  else if (mayStartNumber(token.text))
-  {
-    char* end = nullptr;
-    token.value = std::strtod(text_.c_str() + first, &end);
-    if (end == text_.c_str() + position_)
+    if (const auto number = finiteNumber(token.text))
     {
+      token.value = *number;
       token.kind = Token::Kind::kNumber;
     }
   }

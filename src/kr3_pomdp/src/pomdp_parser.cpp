@@ -7,17 +7,31 @@
 namespace kr3::pomdp
 {
 
+namespace
+{
+
+// Whatever the caller allows: short texts with wildcards can ask for any amount of memory and time.
+constexpr std::size_t kMaxEntries = std::size_t{1} << 27;
+constexpr std::size_t kMaxCleared = std::size_t{1} << 30;
+
+}  // namespace
+
 void PomdpParser::set(bool is_transition, std::size_t action, std::size_t state, std::size_t column,
                       double p)
 {
+  const std::size_t num_columns =
+      is_transition ? builder_->states().size() : builder_->observations().size();
+  const std::size_t num_rows = (action == kAny ? builder_->actions().size() : 1) *
+                               (state == kAny ? builder_->states().size() : 1);
   if (p != 0.0)
   {
-    const std::size_t num_columns =
-        is_transition ? builder_->states().size() : builder_->observations().size();
-    num_written_ += (action == kAny ? builder_->actions().size() : 1) *
-                    (state == kAny ? builder_->states().size() : 1) *
-                    (column == kAny ? num_columns : 1);
-    checkCount(num_written_, options_.max_entries, "entries of T and O");
+    num_written_ += num_rows * (column == kAny ? num_columns : 1);
+    checkCount(num_written_, allowed(options_.max_entries, kMaxEntries), "entries of T and O");
+  }
+  else
+  {
+    num_cleared_ += num_rows;
+    checkCount(num_cleared_, kMaxCleared, "entries of T and O that become 0");
   }
   if (is_transition)
   {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -42,7 +43,12 @@ private:
   void reward();
   void row(bool is_transition, std::size_t action, std::size_t state);
   void set(bool is_transition, std::size_t action, std::size_t state, std::size_t column, double p);
-  /// @throws ResourceExhausted  `count` is above `limit`, unless that is 0
+  /// What the caller allows, 0 being no limit, and what is possible at all.
+  static std::size_t allowed(std::size_t option, std::size_t possible)
+  {
+    return option == 0 ? possible : std::min(option, possible);
+  }
+  /// @throws ResourceExhausted  `count` is above `limit`
   void checkCount(std::size_t count, std::size_t limit, const std::string& what) const;
   /// Notes that the statement being read wrote these rows.
   void mark(std::vector<Place>& places, std::size_t action, std::size_t state) const;
@@ -103,6 +109,7 @@ private:
   PomdpLexer lexer_;
   ReadOptions options_;
   std::size_t num_written_ = 0;  // entries of T and O
+  std::size_t num_cleared_ = 0;  // rows in which entries became 0
   std::optional<double> discount_;
   bool costs_ = false;
   std::vector<std::string> states_;

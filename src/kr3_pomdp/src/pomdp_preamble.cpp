@@ -9,9 +9,18 @@
 namespace kr3::pomdp
 {
 
+namespace
+{
+
+constexpr double kMaxNames = 1e7;
+// Whatever the caller allows: a few words of a text can ask for any amount of memory.
+constexpr std::size_t kMaxRows = std::size_t{1} << 24;
+
+}  // namespace
+
 void PomdpParser::checkCount(std::size_t count, std::size_t limit, const std::string& what) const
 {
-  if (limit != 0 && count > limit)
+  if (count > limit)
   {
     throw ResourceExhausted("a model of " + std::to_string(count) + " " + what +
                             ", expected at most " + std::to_string(limit));
@@ -24,11 +33,14 @@ std::vector<std::string> PomdpParser::names(const std::string& kind)
   if (atNumber() && lexer_.following().kind != Token::Kind::kNumber)
   {
     const Token token = lexer_.take();
-    if (token.value < 1.0 || token.value > 1e7 || token.value != std::floor(token.value))
+    if (token.value < 1.0 || token.value > kMaxNames || token.value != std::floor(token.value))
     {
-      lexer_.fail(token, "the number of " + kind + "s, or their names");
+      lexer_.fail(token, "the number of " + kind + "s, at most " +
+                             std::to_string(static_cast<std::size_t>(kMaxNames)) +
+                             ", or their names");
     }
-    checkCount(static_cast<std::size_t>(token.value), options_.max_names, kind + "s");
+    checkCount(static_cast<std::size_t>(token.value), allowed(options_.max_names, kMaxRows),
+               kind + "s");
     for (std::size_t i = 0; i < static_cast<std::size_t>(token.value); ++i)
     {
       found.push_back(std::to_string(i));
@@ -54,7 +66,7 @@ std::vector<std::string> PomdpParser::names(const std::string& kind)
     }
     found.emplace_back(token.text);
   }
-  checkCount(found.size(), options_.max_names, kind + "s");
+  checkCount(found.size(), allowed(options_.max_names, kMaxRows), kind + "s");
   if (found.empty())
   {
     lexer_.fail(lexer_.current(), "the number of " + kind + "s, or their names");
@@ -141,7 +153,8 @@ void PomdpParser::preamble()
       lexer_.fail(lexer_.current(), "'" + std::string(key) + ":' before anything else");
     }
   }
-  checkCount(actions_.size() * states_.size(), options_.max_rows, "rows (actions times states)");
+  checkCount(actions_.size() * states_.size(), allowed(options_.max_rows, kMaxRows),
+             "rows (actions times states)");
 }
 
 void PomdpParser::start()

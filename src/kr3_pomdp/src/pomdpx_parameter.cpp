@@ -1,6 +1,7 @@
 #include "pomdpx_parameter.hpp"
 
 #include <algorithm>
+#include <set>
 #include <string_view>
 
 #include "file_tolerance.hpp"
@@ -13,6 +14,8 @@ namespace
 {
 
 constexpr int kMaxDepth = 200;
+// A short text with wildcards can ask for any amount of time.
+constexpr std::size_t kMaxWritten = std::size_t{1} << 32;
 
 std::string named(const pugi::xml_node& element)
 {
@@ -22,8 +25,14 @@ std::string named(const pugi::xml_node& element)
 }  // namespace
 
 PomdpxParameter::PomdpxParameter(const XmlText& text, const FactoredModel& model,
-                                 const std::map<std::string, VariableRef>& names, Factor& factor)
-  : text_(text), model_(model), names_(names), factor_(factor), scope_(factor.parents)
+                                 const std::map<std::string, VariableRef>& names, Factor& factor,
+                                 std::size_t& num_written)
+  : text_(text)
+  , model_(model)
+  , names_(names)
+  , factor_(factor)
+  , num_written_(num_written)
+  , scope_(factor.parents)
 {
   scope_.insert(scope_.end(), factor.of.begin(), factor.of.end());
   for (const VariableRef& ref : factor.of)
@@ -59,8 +68,19 @@ void PomdpxParameter::fill(const pugi::xml_node& parameter)
 }
 
 template <typename Value>
-void PomdpxParameter::set(const Box& box, const Value& value)
+void PomdpxParameter::set(const pugi::xml_node& at_element, const Box& box, const Value& value)
 {
+  std::size_t count = 1;
+  for (std::size_t i = 0; i < box.size(); ++i)
+  {
+    count *= box[i] ? 1 : sizes_[i];
+  }
+  num_written_ += count;
+  if (num_written_ > kMaxWritten)
+  {
+    text_.failTooLarge(at_element, "found entries written " + std::to_string(num_written_) +
+                                       " times, expected at most " + std::to_string(kMaxWritten));
+  }
   std::vector<std::size_t> at(box.size());
   std::vector<std::size_t> free;
   std::size_t index = 0;
@@ -95,10 +115,18 @@ void PomdpxParameter::set(const Box& box, const Value& value)
 std::size_t PomdpxParameter::valueOf(const XmlWord& word, std::size_t place) const
 {
   const std::vector<std::string>& values = variable(place).values;
-  const auto found = std::find(values.begin(), values.end(), word.text);
-  if (found != values.end())
+  value_indices_.resize(scope_.size());
+  std::unordered_map<std::string_view, std::size_t>& indices = value_indices_[place];
+  if (indices.empty())
   {
-    return static_cast<std::size_t>(found - values.begin());
+    for (std::size_t i = 0; i < values.size(); ++i)
+    {
+      indices.emplace(values[i], i);
+    }
+  }
+  if (const auto found = indices.find(word.text); found != indices.end())
+  {
+    return found->second;
   }
   const std::size_t index = indexNumber(word.text).value_or(values.size());
   if (index >= values.size())
@@ -154,7 +182,7 @@ void PomdpxParameter::entry(const pugi::xml_node& element)
   const std::vector<XmlWord> given = XmlText::words(numbers);
   if (!rewards && given.size() == 1 && given.front().text == "uniform")
   {
-    set(box, [this](const std::vector<std::size_t>&) {
+    set(element, box, [this](const std::vector<std::size_t>&) {
       return 1.0 / static_cast<double>(num_outcomes_);
     });
     return;
@@ -166,7 +194,7 @@ void PomdpxParameter::entry(const pugi::xml_node& element)
     {
       text_.fail(given.front(), "it with two '-' for variables of as many values");
     }
-    set(box, [&](const std::vector<std::size_t>& at) {
+    set(element, box, [&](const std::vector<std::size_t>& at) {
       return at[dashes[0]] == at[dashes[1]] ? 1.0 : 0.0;
     });
     return;
@@ -185,7 +213,7 @@ void PomdpxParameter::entry(const pugi::xml_node& element)
       text_.fail(word, "a probability in [0, 1]");
     }
   }
-  set(box, [&](const std::vector<std::size_t>& at) {
+  set(element, box, [&](const std::vector<std::size_t>& at) {
     std::size_t index = 0;
     for (const std::size_t place : dashes)
     {
@@ -244,7 +272,7 @@ void PomdpxParameter::branch(const pugi::xml_node& parent, Box& box, int depth)
         text_.fail(child, std::to_string(words.size()) + " words", "one number");
       }
       const double value = text_.number(words.front());
-      set(box, [value](const std::vector<std::size_t>&) { return value; });
+      set(child, box, [value](const std::vector<std::size_t>&) { return value; });
     }
     else
     {
@@ -274,6 +302,7 @@ void PomdpxParameter::node(const pugi::xml_node& element, Box& box, int depth)
 {
   const std::size_t place = placeOf(element);
   const std::optional<std::size_t> outer = box[place];
+  std::set<std::size_t> edges;
   for (const pugi::xml_node& child : element.children())
   {
     if (child.type() != pugi::node_element)
@@ -284,7 +313,12 @@ void PomdpxParameter::node(const pugi::xml_node& element, Box& box, int depth)
     {
       text_.fail(child, named(child), "<Edge>");
     }
-    const std::size_t value = valueOf({text_.attribute(child, "val"), child.offset_debug()}, place);
+    const std::string name = text_.attribute(child, "val");
+    const std::size_t value = valueOf({name, child.offset_debug()}, place);
+    if (!edges.insert(value).second)
+    {
+      text_.fail(child, "a second edge for '" + name + "'", "one for each value at most");
+    }
     if (!outer || *outer == value)
     {
       box[place] = value;
@@ -311,13 +345,14 @@ void PomdpxParameter::shorthand(const pugi::xml_node& element, Box& box, int dep
   if (type == "uniform")
   {
     const double value = 1.0 / static_cast<double>(variable(place).values.size());
-    set(box, [value](const std::vector<std::size_t>&) { return value; });
+    set(element, box, [value](const std::vector<std::size_t>&) { return value; });
   }
   else if (type == "deterministic")
   {
-    const std::size_t value =
-        valueOf({text_.attribute(element, "val"), element.offset_debug()}, place);
-    set(box, [=](const std::vector<std::size_t>& at) { return at[place] == value ? 1.0 : 0.0; });
+    const std::string name = text_.attribute(element, "val");
+    const std::size_t value = valueOf({name, element.offset_debug()}, place);
+    set(element, box,
+        [=](const std::vector<std::size_t>& at) { return at[place] == value ? 1.0 : 0.0; });
   }
   else if (type == "persistent")
   {
@@ -340,7 +375,7 @@ void PomdpxParameter::persist(const pugi::xml_node& element, std::size_t place, 
                "a state variable with its previous one among the parents");
   }
   const auto previous = static_cast<std::size_t>(found - scope_.begin());
-  set(box,
+  set(element, box,
       [=](const std::vector<std::size_t>& at) { return at[place] == at[previous] ? 1.0 : 0.0; });
 }
 

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstring>
 #include <string_view>
+#include <unordered_set>
 #include <utility>
 
 #include <kr3_common/error.hpp>
 
+#include "factor_product.hpp"
 #include "file_text.hpp"
 #include "file_tolerance.hpp"
 #include "kr3_pomdp/pomdp_format.hpp"
@@ -21,6 +23,7 @@ namespace
 {
 
 constexpr std::size_t kMaxValues = 1000000;
+constexpr std::size_t kMaxEntries = std::size_t{1} << 27;  // of all tables
 
 std::string quoted(std::string_view text)
 {
@@ -106,9 +109,10 @@ Variable PomdpxReader::variable(const pugi::xml_node& element, const char* name_
     }
     return result;
   }
+  std::unordered_set<std::string_view> seen;
   for (const XmlWord& word : XmlText::words(text_.child(element, "ValueEnum")))
   {
-    if (std::find(result.values.begin(), result.values.end(), word.text) != result.values.end())
+    if (!seen.insert(word.text).second)
     {
       text_.fail(word, "a value that " + quoted(result.name) + " does not have yet");
     }
@@ -221,11 +225,47 @@ std::vector<Factor> PomdpxReader::factors(const pugi::xml_node& section, bool re
       }
     }
     factor.parents = references(text_.child(child, "Parent"));
-    factor.values.assign(model_.sizeOf(factor), 0.0);
-    PomdpxParameter(text_, model_, names_, factor).fill(text_.child(child, "Parameter"));
+    allocate(factor, child);
+    PomdpxParameter(text_, model_, names_, factor, num_written_)
+        .fill(text_.child(child, "Parameter"));
+    if (!rewards)
+    {
+      checkSums(factor, child);
+    }
     factors.push_back(std::move(factor));
   }
   return factors;
+}
+
+void PomdpxReader::allocate(Factor& factor, const pugi::xml_node& element)
+{
+  std::size_t size = 1;
+  for (const std::vector<VariableRef>* refs : {&factor.parents, &factor.of})
+  {
+    for (const VariableRef& ref : *refs)
+    {
+      size *= model_.variable(ref).values.size();
+      if (size > kMaxEntries - num_entries_)
+      {
+        text_.failTooLarge(element, "found tables of more than " + std::to_string(kMaxEntries) +
+                                        " entries, expected a model in smaller factors");
+      }
+    }
+  }
+  num_entries_ += size;
+  factor.values.assign(size, 0.0);
+}
+
+void PomdpxReader::checkSums(const Factor& factor, const pugi::xml_node& element) const
+{
+  try
+  {
+    (void)FactorTable(model_, factor, kFileSumTolerance);
+  }
+  catch (const InvalidArgument& e)
+  {
+    throw InvalidArgument(text_.place(element) + e.what());
+  }
 }
 
 FactoredModel readPomdpx(std::istream& in, const std::string& name)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <string>
 #include <vector>
@@ -27,12 +28,17 @@ private:
   void declare(const pugi::xml_node& element, const std::string& name, VariableRef ref);
   std::vector<Factor> factors(const pugi::xml_node& section, bool rewards);
   [[nodiscard]] std::vector<VariableRef> references(const pugi::xml_node& element) const;
+  /// Zeros of the right number.
+  void allocate(Factor& factor, const pugi::xml_node& element);
+  void checkSums(const Factor& factor, const pugi::xml_node& element) const;
   void uniformStart();
 
   XmlText text_;
   FactoredModel model_;
   std::map<std::string, VariableRef> names_;
   std::vector<std::string> reward_names_;
+  std::size_t num_entries_ = 0;  // of all tables
+  std::size_t num_written_ = 0;  // into them
 };
 
 }  // namespace kr3::pomdp

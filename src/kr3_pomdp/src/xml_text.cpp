@@ -45,12 +45,23 @@ void XmlText::fail(std::ptrdiff_t offset, const std::string& found,
 void XmlText::fail(const pugi::xml_node& at, const std::string& found,
                    const std::string& expected) const
 {
-  fail(at.offset_debug() - 1, found, expected);  // from the name to its bracket
+  throw InvalidArgument(place(at) + "found " + found + ", expected " + expected);
 }
 
 void XmlText::fail(const XmlWord& at, const std::string& expected) const
 {
   fail(at.offset, "'" + std::string(at.text) + "'", expected);
+}
+
+std::string XmlText::place(const pugi::xml_node& element) const
+{
+  const auto offset = static_cast<std::size_t>(std::max<std::ptrdiff_t>(element.offset_debug(), 1));
+  return placeIn(text_, offset - 1, name_);  // from the name to its bracket
+}
+
+void XmlText::failTooLarge(const pugi::xml_node& at, const std::string& what) const
+{
+  throw ResourceExhausted(place(at) + what);
 }
 
 std::vector<XmlWord> XmlText::words(const pugi::xml_node& element)

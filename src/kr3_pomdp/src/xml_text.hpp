@@ -33,6 +33,12 @@ public:
                          const std::string& expected) const;
   [[noreturn]] void fail(const XmlWord& at, const std::string& expected) const;
 
+  /// @throws ResourceExhausted  always: `name:line:column: what`
+  [[noreturn]] void failTooLarge(const pugi::xml_node& at, const std::string& what) const;
+
+  /// `name:line:column: ` of an element.
+  [[nodiscard]] std::string place(const pugi::xml_node& element) const;
+
   /// The words of an element's own text.
   [[nodiscard]] static std::vector<XmlWord> words(const pugi::xml_node& element);
   /// A child that must be there.

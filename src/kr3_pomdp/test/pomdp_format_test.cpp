@@ -181,6 +181,82 @@ TEST(PomdpFormat, ReadsEveryFormOfStart)
   EXPECT_EQ(start("start exclude: a"), (std::vector<double>{0.0, 1.0}));
 }
 
+TEST(PomdpFormat, ReadsTheHeadInAnyOrder)
+{
+  const Model model = read(
+      "# first a comment: with signs * and names\nobservations: x y # two\nactions:go stay\n"
+      "states :\n a\n b # over lines\nvalues: cost\ndiscount:.5\n#\nT : * identity\nO:*uniform\n"
+      "R : go:b:*:* 2.\n#end");
+  EXPECT_EQ(model.discount(), 0.5);
+  EXPECT_EQ(model.stateName(1), "b");
+  EXPECT_EQ(model.reward(0, 1), -2.0);
+  EXPECT_EQ(errorOf("discount: 0.9\ndiscount: 0.9\n"), "m:2:1: 'discount' is there already");
+}
+
+TEST(PomdpFormat, ReadsNamesAndNumbersMixed)
+{
+  const Model model = read(kHead +
+                           "start: 1\nT: 0 : a : 1 1\nT: go : 1 : b 1\nT: 1 identity\n"
+                           "O: * : 0 : y 1\nO: 0 : b : 0 1\nO: stay : 1 : x 1\n"
+                           "R: go : 0 : b : 1 3\nR: 1 : b : * : * 1e1\n");
+  EXPECT_EQ(model.initialBelief()[1], 1.0);
+  EXPECT_EQ(transition(model, 0, 0, 1), 1.0);
+  EXPECT_EQ(observation(model, 0, 1, 0), 1.0);
+  EXPECT_EQ(model.reward(0, 0), 0.0);  // b shows x after going
+  EXPECT_EQ(model.reward(1, 1), 10.0);
+  // A name that is a number is a name first.
+  const Model numbers = read(
+      "discount: 0.9\nvalues: reward\nstates: 1 0\nactions: 1\nobservations: 1\nstart: 0\n"
+      "T: * identity\nO: * uniform\n");
+  EXPECT_EQ(numbers.initialBelief()[1], 1.0);
+  EXPECT_EQ(numbers.stateName(1), "0");
+}
+
+TEST(PomdpFormat, WildcardsStandAnywhere)
+{
+  const std::string uniform = "T: * uniform\nO: * uniform\n";
+  const Model t = read(kHead + "O: * uniform\nT: * : a : b 1\nT: * : b : * 0.5\n");
+  EXPECT_EQ(transition(t, 1, 0, 1), 1.0);
+  EXPECT_EQ(transition(t, 0, 1, 0), 0.5);
+  const Model rows = read(kHead + "O: * : *\n0.25 0.75\nT: * : *\n0.125 0.875\n");
+  EXPECT_EQ(transition(rows, 1, 0, 1), 0.875);
+  EXPECT_EQ(observation(rows, 1, 0, 1), 0.75);
+  const Model matrices = read(kHead + "T: *\n0 1\n1 0\nO: *\n1 0\n0.5 0.5\n");
+  EXPECT_EQ(transition(matrices, 1, 1, 0), 1.0);
+  EXPECT_EQ(observation(matrices, 0, 1, 1), 0.5);
+  const Model reset = read(kHead + "start: 0.25 0.75\nT: * reset\nO: * : * uniform\n");
+  EXPECT_EQ(transition(reset, 1, 0, 1), 0.75);
+  const auto rewards = [&](const std::string& text) {
+    const Model model = read(kHead + uniform + text);
+    return std::vector<double>{model.reward(0, 0), model.reward(0, 1), model.reward(1, 0),
+                               model.reward(1, 1)};
+  };
+  using Rewards = std::vector<double>;
+  EXPECT_EQ(rewards("R: * : * : * : * 2\n"), (Rewards{2, 2, 2, 2}));
+  EXPECT_EQ(rewards("R: * : a : * : x 2\n"), (Rewards{1, 0, 1, 0}));
+  EXPECT_EQ(rewards("R: go : * : b : * 2\n"), (Rewards{1, 1, 0, 0}));
+  EXPECT_EQ(rewards("R: * : b : *\n2 4\n"), (Rewards{0, 3, 0, 3}));
+  EXPECT_EQ(rewards("R: * : *\n1 2\n3 4\n"), (Rewards{2.5, 2.5, 2.5, 2.5}));
+}
+
+TEST(PomdpFormat, LaterStatementsReplaceEarlierOnes)
+{
+  const Model model =
+      read(kHead +
+           "start: a\nstart: 0.5 0.5\nT: go : a : b 1\nT: * identity\nT: stay : a : a 0\n"
+           "T: stay : a : b 1\nO: go : a : x 1\nO: * uniform\nO: go : b\n1 0\n"
+           "R: go : a : b : x 5\nR: go : * : * : * 1\nR: go : a : a : * 3\nR: * : b : * : * 7\n");
+  EXPECT_EQ(model.initialBelief()[1], 0.5);
+  EXPECT_EQ(transition(model, 0, 0, 0), 1.0);
+  EXPECT_EQ(transition(model, 1, 0, 1), 1.0);
+  EXPECT_EQ(transition(model, 1, 0, 0), 0.0);
+  EXPECT_EQ(observation(model, 0, 0, 0), 0.5);
+  EXPECT_EQ(observation(model, 0, 1, 1), 0.0);
+  EXPECT_EQ(model.reward(0, 0), 3.0);
+  EXPECT_EQ(model.reward(0, 1), 7.0);
+  EXPECT_EQ(model.reward(1, 1), 7.0);
+}
+
 TEST(PomdpFormat, ErrorsNameThePlace)
 {
   EXPECT_EQ(errorOf("discount: 1.5\n"), "m:1:11: found '1.5', expected a discount in (0, 1]");
