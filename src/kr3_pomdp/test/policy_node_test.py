@@ -98,6 +98,10 @@ class PolicyNodeTest(unittest.TestCase):
         self.assertLess(result.wall_s, 2.0)
         result = self.solve(model=maze(43), precision=1e-9, max_memory_bytes=1 << 20)
         self.assertEqual(result.stop_reason, "memory limit")
+        result = self.solve(
+            model=maze(20), precision=1e-9, time_limit=rospy.Duration(0.5), num_threads=2
+        )
+        self.assertEqual((result.status.code, result.stop_reason), (Status.OK, "time limit"))
         for fields in [{"num_threads": 1000}, {"max_memory_bytes": 1 << 50}]:
             self.assertEqual(self.code_of(model=TIGER, **fields), Status.INVALID_ARGUMENT)
 
