@@ -31,6 +31,11 @@ void bindPolicies(pybind11::module_& module);
 /// solve, evaluate and simulation.
 void bindSolving(pybind11::module_& module);
 
+/// solveExactly.
+void bindExactSolver(pybind11::module_& module);
+/// Planning online.
+void bindPlanning(pybind11::module_& module);
+
 /// A state, action or observation in Python: its index or its name.
 using Key = std::variant<std::size_t, std::string>;
 

@@ -14,4 +14,6 @@ PYBIND11_MODULE(kr3_pomdp, module)
   kr3::pomdp::bindFactoredModels(module);
   kr3::pomdp::bindPolicies(module);
   kr3::pomdp::bindSolving(module);
+  kr3::pomdp::bindExactSolver(module);
+  kr3::pomdp::bindPlanning(module);
 }

@@ -166,27 +166,34 @@ void bindSimulation(py::module_& module)
 void bindEvaluation(py::module_& module)
 {
   py::class_<EvaluationLimits>(module, "EvaluationLimits", "How much to simulate.")
-      .def(py::init([](std::uint64_t trials, double truncation, std::uint64_t max_steps) {
+      .def(py::init([](std::uint64_t trials, double truncation, std::uint64_t max_steps,
+                       int num_threads) {
              EvaluationLimits limits;
              limits.trials = trials;
              limits.truncation = truncation;
              limits.max_steps = max_steps;
+             limits.num_threads = num_threads;
              return limits;
            }),
            py::kw_only(), py::arg("trials") = EvaluationLimits().trials,
            py::arg("truncation") = EvaluationLimits().truncation,
-           py::arg("max_steps") = EvaluationLimits().max_steps, "See the attributes.")
+           py::arg("max_steps") = EvaluationLimits().max_steps,
+           py::arg("num_threads") = EvaluationLimits().num_threads, "See the attributes.")
       .def_readwrite("trials", &EvaluationLimits::trials, "how many")
       .def_readwrite("truncation", &EvaluationLimits::truncation,
                      "a trial ends when its discount is below this")
-      .def_readwrite("max_steps", &EvaluationLimits::max_steps, "of a trial");
+      .def_readwrite("max_steps", &EvaluationLimits::max_steps, "of a trial")
+      .def_readwrite("num_threads", &EvaluationLimits::num_threads,
+                     "at least 1; the result is the same for any number");
   py::class_<Evaluation>(module, "Evaluation", "The discounted return of a policy, simulated.")
       .def_readonly("mean", &Evaluation::mean, "over the trials")
       .def_readonly("standard_error", &Evaluation::standard_error, "of the mean")
       .def_readonly("half_width_95", &Evaluation::half_width_95,
                     "the mean is within this of the true value with 95 % confidence")
       .def_readonly("trials", &Evaluation::trials, "how many")
-      .def_readonly("mean_steps", &Evaluation::mean_steps, "of a trial");
+      .def_readonly("mean_steps", &Evaluation::mean_steps, "of a trial")
+      .def_readonly("finished", &Evaluation::finished,
+                    "part of the trials that came to where all is over");
   module.def("evaluate", &evaluate, py::arg("model"), py::arg("policy"),
              py::arg("limits") = EvaluationLimits(), py::arg("seed") = 1,
              py::call_guard<py::gil_scoped_release>(),

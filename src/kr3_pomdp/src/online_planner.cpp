@@ -41,6 +41,7 @@ struct TreeNode
   std::uint32_t parent;
   std::uint32_t depth;
   std::vector<Particle> particles;
+  std::size_t default_action = 0;
   double default_value = 0.0;
   double lower = 0.0;
   double upper = 0.0;
@@ -84,7 +85,7 @@ public:
        const std::function<std::uint64_t(double)>& sample, std::uint64_t seed)
     : model_(model), options_(options), streams_(options.num_scenarios, seed)
   {
-    TreeNode root{0, 0, {}, 0.0, 0.0, 0.0, {}};
+    TreeNode root{0, 0, {}, 0, 0.0, 0.0, 0.0, {}};
     for (std::uint32_t i = 0; i < options.num_scenarios; ++i)
     {
       root.particles.push_back({i, sample(streams_.at(i, 0))});
@@ -122,12 +123,15 @@ private:
   void evaluate(TreeNode& node)
   {
     const double w = weight(node);
-    node.upper = 0.0;
+    states_.clear();
     for (const Particle& particle : node.particles)
     {
-      node.upper += w * model_.upperBound(particle.state);
+      states_.push_back(particle.state);
     }
-    node.default_value = w * rollout(node);
+    node.upper = w * model_.upperBoundOf(states_);
+    const std::optional<KnownPlan> known = model_.knownPlan(states_);
+    node.default_action = known ? known->action : model_.defaultAction(states_);
+    node.default_value = w * (known ? known->value : rollout(node));
     node.lower = node.default_value;
     node.upper = std::max(node.upper, node.lower);
   }
@@ -189,8 +193,7 @@ private:
       std::unordered_map<std::uint64_t, std::uint32_t> by_observation;
       const std::size_t depth = nodes_[index].depth;
       const double w = weight(nodes_[index]);
-      actions[a].reward =
-          -options_.regularisation * w * static_cast<double>(nodes_[index].particles.size());
+      actions[a].reward = -options_.regularisation;
       for (std::size_t i = 0; i < nodes_[index].particles.size(); ++i)
       {
         const Particle particle = nodes_[index].particles[i];
@@ -205,7 +208,8 @@ private:
         const auto [found, inserted] = by_observation.emplace(step.observation, next);
         if (inserted)
         {
-          nodes_.push_back({index, static_cast<std::uint32_t>(depth + 1), {}, 0.0, 0.0, 0.0, {}});
+          nodes_.push_back(
+              {index, static_cast<std::uint32_t>(depth + 1), {}, 0, 0.0, 0.0, 0.0, {}});
           actions[a].children.push_back(next);
         }
         nodes_[found->second].particles.push_back({particle.scenario, step.state});
@@ -306,12 +310,7 @@ private:
   [[nodiscard]] std::size_t bestAction() const
   {
     const TreeNode& root = nodes_.front();
-    std::vector<std::uint64_t> states;
-    for (const Particle& particle : root.particles)
-    {
-      states.push_back(particle.state);
-    }
-    std::size_t best = model_.defaultAction(states);
+    std::size_t best = root.default_action;
     double most = root.default_value;
     for (std::size_t a = 0; a < root.actions.size(); ++a)
     {
@@ -332,6 +331,7 @@ private:
   Streams streams_;
   std::deque<TreeNode> nodes_;
   std::uint64_t expansions_ = 0;
+  std::vector<std::uint64_t> states_;  // scratch
 };
 
 void require(bool valid, const std::string& what)
@@ -343,6 +343,35 @@ void require(bool valid, const std::string& what)
 }
 
 }  // namespace
+
+double GenerativeModel::upperBoundOf(const std::vector<std::uint64_t>& states) const
+{
+  double sum = 0.0;
+  for (const std::uint64_t state : states)
+  {
+    sum += upperBound(state);
+  }
+  return sum;
+}
+
+std::optional<KnownPlan> GenerativeModel::knownPlan(
+    const std::vector<std::uint64_t>& /*states*/) const
+{
+  return std::nullopt;
+}
+
+std::optional<double> GenerativeModel::observationProbability(std::size_t /*action*/,
+                                                              std::uint64_t /*next_state*/,
+                                                              std::uint64_t /*observation*/) const
+{
+  return std::nullopt;
+}
+
+std::optional<std::uint64_t> GenerativeModel::perturbed(std::uint64_t /*state*/,
+                                                        double /*random*/) const
+{
+  return std::nullopt;
+}
 
 OnlinePlanner::OnlinePlanner(const GenerativeModel& model, const OnlineOptions& options)
   : model_(model), options_(options)

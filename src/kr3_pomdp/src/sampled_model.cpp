@@ -5,7 +5,9 @@
 
 #include <kr3_common/error.hpp>
 
+#include "class_bounds.hpp"
 #include "kr3_pomdp/online_planner.hpp"
+#include "kr3_pomdp/simulation.hpp"
 
 namespace kr3::pomdp
 {
@@ -14,7 +16,7 @@ namespace
 {
 
 constexpr int kMaxSweeps = 10000;
-constexpr double kTolerance = 1e-9;  // relative to the largest reward
+constexpr double kTolerance = 1e-6;  // relative to the largest reward
 
 /// The entry at a number in [0, 1), and how far into it the number is: a new one in [0, 1).
 struct Place
@@ -40,10 +42,26 @@ Place placeIn(const SparseRow& row, double random)
   return {last->index, std::clamp(rest, 0.0, 1.0 - 0x1.0p-53)};
 }
 
+/// Samples as a belief: how many there are of each state, ascending.
+std::vector<SparseEntry> counted(std::vector<std::uint64_t> states)
+{
+  std::sort(states.begin(), states.end());
+  std::vector<SparseEntry> counts;
+  for (const std::uint64_t state : states)
+  {
+    if (counts.empty() || counts.back().index != state)
+    {
+      counts.push_back({static_cast<std::uint32_t>(state), 0.0});
+    }
+    counts.back().probability += 1.0;
+  }
+  return counts;
+}
+
 }  // namespace
 
 SampledModel::SampledModel(const Model& model, const Policy* policy)
-  : model_(model), policy_(policy), finished_(model.numStates(), true)
+  : model_(model), policy_(policy), finished_(finishedStates(model))
 {
   if (model.discount() >= 1.0)
   {
@@ -62,9 +80,6 @@ SampledModel::SampledModel(const Model& model, const Policy* policy)
     {
       greatest = std::max(greatest, model.reward(a, s));
       scale = std::max(scale, std::abs(model.reward(a, s)));
-      const SparseRow row = model.transitions(a, s);
-      finished_[s] =
-          finished_[s] && model.reward(a, s) == 0.0 && row.size() == 1 && row.begin()->index == s;
     }
   }
   // From above, so that every sweep leaves an upper bound.
@@ -92,7 +107,10 @@ SampledModel::SampledModel(const Model& model, const Policy* policy)
       action_values_.push_back(backedUp(s, a));
     }
   }
+  bounds_ = std::make_unique<ClassBounds>(model, policy);
 }
+
+SampledModel::~SampledModel() = default;
 
 double SampledModel::backedUp(std::size_t state, std::size_t action) const
 {
@@ -109,6 +127,27 @@ GenerativeStep SampledModel::step(std::uint64_t state, std::size_t action, doubl
   const Place next = placeIn(model_.transitions(action, state), random);
   const Place seen = placeIn(model_.observations(action, next.index), next.rest);
   return {next.index, seen.index, model_.reward(action, state), finished_[next.index]};
+}
+
+double SampledModel::upperBoundOf(const std::vector<std::uint64_t>& states) const
+{
+  const double separate = GenerativeModel::upperBoundOf(states);
+  const std::optional<ClassBelief> belief = bounds_->located(counted(states));
+  std::vector<double> sums;
+  return belief ? std::min(separate, bounds_->upperAt(*belief, sums)) : separate;
+}
+
+std::optional<KnownPlan> SampledModel::knownPlan(const std::vector<std::uint64_t>& states) const
+{
+  const std::optional<ClassBelief> belief =
+      policy_ != nullptr ? bounds_->located(counted(states)) : std::nullopt;
+  if (!belief)
+  {
+    return std::nullopt;
+  }
+  std::vector<double> sums;
+  const ClassBounds::Lower lower = bounds_->lowerAt(*belief, sums);
+  return KnownPlan{lower.action, lower.value};
 }
 
 std::size_t SampledModel::defaultAction(const std::vector<std::uint64_t>& states) const

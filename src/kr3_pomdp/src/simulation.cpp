@@ -175,13 +175,23 @@ std::size_t sampleState(const Belief& belief, std::mt19937_64& random)
 std::vector<bool> finishedStates(const Model& model)
 {
   std::vector<bool> finished(model.numStates(), true);
-  for (std::size_t a = 0; a < model.numActions(); ++a)
+  for (bool changed = true; changed;)
   {
-    for (std::size_t s = 0; s < model.numStates(); ++s)
+    changed = false;
+    for (std::size_t a = 0; a < model.numActions(); ++a)
     {
-      const SparseRow row = model.transitions(a, s);
-      finished[s] =
-          finished[s] && model.reward(a, s) == 0.0 && row.size() == 1 && row.begin()->index == s;
+      for (std::size_t s = 0; s < model.numStates(); ++s)
+      {
+        if (!finished[s])
+        {
+          continue;
+        }
+        const SparseRow row = model.transitions(a, s);
+        finished[s] = model.reward(a, s) == 0.0 &&
+                      std::all_of(row.begin(), row.end(),
+                                  [&](const SparseEntry& next) { return finished[next.index]; });
+        changed |= !finished[s];
+      }
     }
   }
   return finished;

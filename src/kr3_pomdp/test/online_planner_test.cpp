@@ -1,6 +1,7 @@
 #include "kr3_pomdp/online_planner.hpp"
 
 #include <cmath>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -8,6 +9,7 @@
 
 #include <kr3_common/error.hpp>
 
+#include "kr3_pomdp/particle_belief.hpp"
 #include "kr3_pomdp/simulation.hpp"
 #include "kr3_pomdp/solver.hpp"
 #include "support/models.hpp"
@@ -179,6 +181,64 @@ TEST(OnlinePlanner, PlansOnModelsThatAreOnlySampled)
     return static_cast<std::uint64_t>((0.5 + 0.5 * u) * static_cast<double>(Guess::kStates));
   };
   EXPECT_EQ(planner.plan(high, 1).action, Guess::kHigh);
+}
+
+/// The same, which tells how likely its answers are.
+class FrankGuess : public Guess
+{
+public:
+  [[nodiscard]] std::optional<double> observationProbability(
+      std::size_t action, std::uint64_t next_state, std::uint64_t observation) const override
+  {
+    const std::uint64_t high = next_state >= kStates / 2 ? 1 : 0;
+    return action == kAsk ? (high == observation ? 0.9 : 0.1)
+                          : static_cast<double>(observation == 0);
+  }
+};
+
+double shareOfHigh(const ParticleBelief& belief)
+{
+  double high = 0.0;
+  for (const std::uint64_t state : belief.states())
+  {
+    high += state >= Guess::kStates / 2 ? 1.0 : 0.0;
+  }
+  return high / static_cast<double>(belief.states().size());
+}
+
+TEST(ParticleBelief, FollowsBayesRule)
+{
+  std::vector<std::uint64_t> states;
+  for (std::uint64_t i = 0; i < 1000; ++i)
+  {
+    states.push_back(i * (Guess::kStates / 1000));
+  }
+  const Guess plain;
+  const FrankGuess frank;
+  ParticleOptions options;
+  options.num_particles = 4000;
+  for (const GenerativeModel* model :
+       {static_cast<const GenerativeModel*>(&plain), static_cast<const GenerativeModel*>(&frank)})
+  {
+    std::mt19937_64 random(3);
+    ParticleBelief belief(states);
+    belief = updated(*model, belief, Guess::kAsk, 1, options, random);
+    EXPECT_EQ(belief.states().size(), options.num_particles);
+    EXPECT_NEAR(shareOfHigh(belief), 0.9, 0.03);
+    belief = updated(*model, belief, Guess::kAsk, 1, options, random);
+    EXPECT_NEAR(shareOfHigh(belief), 81.0 / 82.0, 0.02);
+  }
+}
+
+TEST(ParticleBelief, SaysWhenTheObservationContradictsAll)
+{
+  const FrankGuess model;
+  std::mt19937_64 random(1);
+  const ParticleBelief belief({1, 2, 3});
+  EXPECT_THROW(static_cast<void>(updated(model, belief, Guess::kLow, 1, {}, random)),
+               FailedPrecondition);
+  EXPECT_THROW(static_cast<void>(updated(model, belief, 9, 1, {}, random)), InvalidArgument);
+  EXPECT_THROW(ParticleBelief({}), InvalidArgument);
 }
 
 TEST(OnlinePlanner, RefusesOptionsOutOfRange)

@@ -37,6 +37,17 @@ def test_tiger_has_the_known_value():
     assert result.policy.valueAt(tiger().initial_belief) == result.lower
 
 
+def test_the_exact_solution_lies_between_the_bounds():
+    exact = kr3.solveExactly(tiger(), precision=1e-3)
+    result = kr3.solve(tiger(), kr3.SolverLimits(precision=1e-3))
+    assert result.lower <= exact.valueAt([0.5, 0.5]) + exact.error + 1e-9
+    assert exact.valueAt([0.5, 0.5]) <= result.upper + 1e-9
+    assert kr3.solveExactly(tiger(), horizon=1).valueAt([0.5, 0.5]) == pytest.approx(-1.0)
+    assert len(kr3.solveExactly(tiger(), horizon=3).stages) == 3
+    with pytest.raises(kr3.ResourceExhausted):
+        kr3.solveExactly(tiger(), max_vectors=1)
+
+
 def test_counted_work_repeats_exactly():
     limits = kr3.SolverLimits(precision=0.0, max_backups=300)
     first, second = (kr3.solve(hard_model(), limits) for _ in range(2))
@@ -138,7 +149,8 @@ def test_the_simulated_value_lies_between_the_bounds():
     result = kr3.solve(model, kr3.SolverLimits(max_backups=10000))
     value = kr3.evaluate(model, result.policy, kr3.EvaluationLimits(trials=4000), seed=5)
     assert abs(value.mean - TIGER_VALUE) < 4 * value.standard_error
-    again = kr3.evaluate(model, result.policy, kr3.EvaluationLimits(trials=4000), seed=5)
+    limits = kr3.EvaluationLimits(trials=4000, num_threads=2)
+    again = kr3.evaluate(model, result.policy, limits, seed=5)
     assert again.mean == value.mean
 
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "kr3_pomdp/model.hpp"
@@ -19,6 +20,13 @@ struct GenerativeStep
   std::uint64_t observation;
   double reward;
   bool terminal;  ///< nothing is earned any more
+};
+
+/// A plan whose value is known.
+struct KnownPlan
+{
+  std::size_t action;  ///< its first
+  double value;        ///< what it earns, summed over the states that were asked about
 };
 
 /// A POMDP from which one can only sample; states and observations are numbers of any meaning.
@@ -46,10 +54,32 @@ public:
   /// robot not knowing which; what it earns is the planner's first lower bound.
   [[nodiscard]] virtual std::size_t defaultAction(
       const std::vector<std::uint64_t>& states) const = 0;
+
+  /// No less than what can be earned in these states, summed, the robot not knowing which it is in;
+  /// by default the sum of their bounds.
+  [[nodiscard]] virtual double upperBoundOf(const std::vector<std::uint64_t>& states) const;
+
+  /// A plan whose value in these states is known, which then is the planner's first lower bound; by
+  /// default nothing, and the default policy is simulated.
+  [[nodiscard]] virtual std::optional<KnownPlan> knownPlan(
+      const std::vector<std::uint64_t>& states) const;
+
+  /// O(observation | action, next_state), for a ParticleBelief, at all states or at none; by
+  /// default nothing.
+  [[nodiscard]] virtual std::optional<double> observationProbability(
+      std::size_t action, std::uint64_t next_state, std::uint64_t observation) const;
+
+  /// A state near by, for a ParticleBelief that an observation contradicts; by default nothing.
+  /// @param random  in [0, 1)
+  [[nodiscard]] virtual std::optional<std::uint64_t> perturbed(std::uint64_t state,
+                                                               double random) const;
 };
 
-/// A flat model to sample from: upper bounds are the values of the fully observed model; the
-/// default is a policy, or without one the action that is best when the state is known, averaged.
+class ClassBounds;
+
+/// A flat model to sample from: upper bounds are the fast informed bound; the default is a policy,
+/// whose vectors give its value, or without one the action that is best when the state is known,
+/// averaged, which is simulated.
 class SampledModel : public GenerativeModel
 {
 public:
@@ -57,6 +87,7 @@ public:
   /// @param policy  for the same model, or null; must outlive this object
   /// @throws InvalidArgument  a discount of 1, or a policy that does not fit
   explicit SampledModel(const Model& model, const Policy* policy = nullptr);
+  ~SampledModel() override;
 
   [[nodiscard]] std::size_t numActions() const override { return model_.numActions(); }
   [[nodiscard]] double discount() const override { return model_.discount(); }
@@ -64,6 +95,9 @@ public:
                                     double random) const override;
   [[nodiscard]] double upperBound(std::uint64_t state) const override { return values_[state]; }
   [[nodiscard]] std::size_t defaultAction(const std::vector<std::uint64_t>& states) const override;
+  [[nodiscard]] double upperBoundOf(const std::vector<std::uint64_t>& states) const override;
+  [[nodiscard]] std::optional<KnownPlan> knownPlan(
+      const std::vector<std::uint64_t>& states) const override;
 
 private:
   [[nodiscard]] double backedUp(std::size_t state, std::size_t action) const;
@@ -72,14 +106,15 @@ private:
   const Policy* policy_;
   std::vector<double> values_;         // of the fully observed model, shape [num_states]
   std::vector<double> action_values_;  // row-major, shape [num_states, num_actions]
-  std::vector<bool> finished_;         // states that no action leaves and that earn nothing
+  std::vector<bool> finished_;         // states from which nothing is earned any more
+  std::unique_ptr<const ClassBounds> bounds_;
 };
 
 struct OnlineOptions
 {
   std::size_t num_scenarios = 500;
   std::size_t max_depth = 90;
-  double regularisation = 0.01;      ///< price of one more action in a plan's tree, >= 0
+  double regularisation = 0.01;      ///< price of one more node in a plan's tree, >= 0
   double target = 0.95;              ///< of the gap at the root that a trial leaves, in (0, 1)
   double time_s = 0.1;               ///< wall time for a decision; 0 = no limit
   std::uint64_t max_expansions = 0;  ///< counted work, repeats exactly; 0 = no limit

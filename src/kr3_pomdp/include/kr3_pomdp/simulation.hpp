@@ -24,8 +24,8 @@ struct SampledStep
 
 [[nodiscard]] std::size_t sampleState(const Belief& belief, std::mt19937_64& random);
 
-/// States that no action leaves and in which none earns anything, shape [num_states]: there a trial
-/// is over.
+/// States from which nothing is earned any more, whatever is done, shape [num_states]: there a trial
+/// is over. The greatest set of states without rewards that no action leaves.
 [[nodiscard]] std::vector<bool> finishedStates(const Model& model);
 
 struct EvaluationLimits

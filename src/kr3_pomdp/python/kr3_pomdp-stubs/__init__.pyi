@@ -5,7 +5,7 @@ observations are given by index or name; arrays are numpy's."""
 # Made by kr3_common/python/make_stub.py.
 
 import numpy.typing
-from typing import Any, Callable, ClassVar, Optional, Union
+from typing import Any, Callable, ClassVar, Iterable, Optional, Union
 
 class Error(RuntimeError):
     """Base of everything that KR3's cores throw. `code` says what a caller can act on."""
@@ -486,7 +486,7 @@ def sampleState(belief: Union[Belief, numpy.typing.ArrayLike], random: Random) -
 
 class EvaluationLimits:
     """How much to simulate."""
-    def __init__(self, *, trials: int = 1000, truncation: float = 0.001, max_steps: int = 10000) -> None:
+    def __init__(self, *, trials: int = 1000, truncation: float = 0.001, max_steps: int = 10000, num_threads: int = 1) -> None:
         """See the attributes."""
     @property
     def trials(self) -> int:
@@ -503,6 +503,11 @@ class EvaluationLimits:
         """of a trial"""
     @max_steps.setter
     def max_steps(self, value: int) -> None: ...
+    @property
+    def num_threads(self) -> int:
+        """at least 1; the result is the same for any number"""
+    @num_threads.setter
+    def num_threads(self, value: int) -> None: ...
 
 class Evaluation:
     """The discounted return of a policy, simulated."""
@@ -521,8 +526,196 @@ class Evaluation:
     @property
     def mean_steps(self) -> float:
         """of a trial"""
+    @property
+    def finished(self) -> float:
+        """part of the trials that came to where all is over"""
 
 def evaluate(model: Model, policy: Policy, limits: EvaluationLimits = ..., seed: int = 1) -> Evaluation:
     """Simulates a policy from the initial belief. Raises InvalidArgument: a policy that does
     not fit the model, no trials.
     """
+
+class ExactSolution:
+    """The optimal value function, as the maximum of alpha vectors over all states."""
+    @property
+    def stages(self) -> list[Policy]:
+        """with a horizon, element k is for k + 1 steps to go; else one for all steps"""
+    @property
+    def error(self) -> float:
+        """the value at any belief is at most the optimum, and at most this much below"""
+    @property
+    def iterations(self) -> int:
+        """of value iteration"""
+    def valueAt(self, belief: Union[Belief, numpy.typing.ArrayLike]) -> float:
+        """With all steps to go. Raises InvalidArgument."""
+
+def solveExactly(model: Model, *, horizon: int = 0, precision: float = ..., max_vectors: int = 20000, time_s: float = 0.0) -> ExactSolution:
+    """Solves a small model exactly at every belief (incremental pruning): over `horizon`
+    steps, with discount 1 too, or for ever (0) to within `precision`. Its work grows
+    exponentially; `max_vectors` and `time_s` (wall time, 0 for none) bound it. Raises
+    InvalidArgument, ResourceExhausted, DeadlineExceeded.
+    """
+
+class OnlineOptions:
+    """How OnlinePlanner searches."""
+    def __init__(self, *, num_scenarios: int = 500, max_depth: int = 90, regularisation: float = 0.01, target: float = 0.95, time_s: float = 0.1, max_expansions: int = 0) -> None:
+        """See the attributes."""
+    @property
+    def num_scenarios(self) -> int:
+        """samples of the belief"""
+    @num_scenarios.setter
+    def num_scenarios(self, value: int) -> None: ...
+    @property
+    def max_depth(self) -> int:
+        """steps ahead"""
+    @max_depth.setter
+    def max_depth(self, value: int) -> None: ...
+    @property
+    def regularisation(self) -> float:
+        """price of one more node in a plan's tree, at least 0: plans made for few samples must
+        gain as much
+        """
+    @regularisation.setter
+    def regularisation(self, value: float) -> None: ...
+    @property
+    def target(self) -> float:
+        """of the gap at the root that a trial leaves, in (0, 1)"""
+    @target.setter
+    def target(self, value: float) -> None: ...
+    @property
+    def time_s(self) -> float:
+        """wall time of a decision; 0: no limit"""
+    @time_s.setter
+    def time_s(self, value: float) -> None: ...
+    @property
+    def max_expansions(self) -> int:
+        """counted work, repeats exactly; 0: no limit"""
+    @max_expansions.setter
+    def max_expansions(self, value: int) -> None: ...
+
+class OnlineDecision:
+    """What to do, and how sure that is."""
+    @property
+    def action(self) -> int:
+        """its index"""
+    @property
+    def lower(self) -> float:
+        """of the value over the scenarios, regularised"""
+    @property
+    def upper(self) -> float:
+        """of the value over the scenarios"""
+    @property
+    def expansions(self) -> int:
+        """counted work"""
+    @property
+    def num_nodes(self) -> int:
+        """of the tree"""
+
+class ParticleOptions:
+    """Of a belief as samples."""
+    def __init__(self, *, num_particles: int = 1000, tries: int = 100) -> None:
+        """See the attributes."""
+    @property
+    def num_particles(self) -> int:
+        """how many are kept"""
+    @num_particles.setter
+    def num_particles(self, value: int) -> None: ...
+    @property
+    def tries(self) -> int:
+        """without observationProbability: samples for an update, per particle"""
+    @tries.setter
+    def tries(self, value: int) -> None: ...
+
+class OnlinePlanner:
+    """Plans one action at a time by sampling (DESPOT) on a Model. Without a policy its first
+    lower bound is to act as if the state were known.
+    """
+    def __init__(self, model: Model, options: OnlineOptions = ..., policy: Optional[Policy] = None) -> None:
+        """Raises InvalidArgument: an option out of range, a policy that does not fit."""
+    def plan(self, belief: Union[Belief, numpy.typing.ArrayLike], seed: int = 1) -> OnlineDecision:
+        """The action at a belief; counted work and one seed repeat exactly."""
+
+class BeliefPlannerOptions:
+    """How BeliefPlanner searches."""
+    def __init__(self, *, precision: float = 0.001, time_s: float = 0.1, max_expansions: int = 0) -> None:
+        """See the attributes."""
+    @property
+    def precision(self) -> float:
+        """gap at the belief below which it stops, at least 0"""
+    @precision.setter
+    def precision(self, value: float) -> None: ...
+    @property
+    def time_s(self) -> float:
+        """wall time of a decision; 0: no limit"""
+    @time_s.setter
+    def time_s(self, value: float) -> None: ...
+    @property
+    def max_expansions(self) -> int:
+        """counted work, repeats exactly; 0: no limit"""
+    @max_expansions.setter
+    def max_expansions(self, value: int) -> None: ...
+
+class BeliefDecision:
+    """What to do, and how sure that is."""
+    @property
+    def action(self) -> int:
+        """its index"""
+    @property
+    def lower(self) -> float:
+        """planning on like this earns at least this"""
+    @property
+    def upper(self) -> float:
+        """nobody earns more"""
+    @property
+    def expansions(self) -> int:
+        """counted work"""
+
+class BeliefPlanner:
+    """Plans one action at a time on a Model by searching the tree of exact beliefs, with an
+    offline policy as its lower bound, than which it never does worse. It keeps the robot's
+    belief.
+    """
+    def __init__(self, model: Model, policy: Policy, options: BeliefPlannerOptions = ...) -> None:
+        """At the model's initial belief, or at the first of its initial outcomes. Raises
+        InvalidArgument.
+        """
+    @property
+    def belief(self) -> Belief:
+        """Where the robot is."""
+    def restart(self, belief: Union[Belief, numpy.typing.ArrayLike]) -> None:
+        """Begins anew at a belief that can follow from the model's initial one. Raises
+        InvalidArgument.
+        """
+    def plan(self) -> BeliefDecision:
+        """The action here."""
+    def advance(self, action: int, observation: int) -> float:
+        """Goes on to the next belief and gives the probability that the observation had. Raises
+        FailedPrecondition when it was impossible, InvalidArgument.
+        """
+
+class GenerativePlanner:
+    """Plans one action at a time by sampling (DESPOT) on a model written in Python, and keeps
+    the robot's belief as samples. The model is any object with the methods numActions(),
+    discount(), step(state, action, random) -> (next_state, observation, reward, terminal),
+    where the same random number in [0, 1) gives the same step, and upperBound(state), no
+    less than what can be earned from there. It may have defaultAction(states), the action
+    of a simple policy (else 0), observationProbability(action, next_state, observation),
+    which makes beliefs better, and perturbed(state, random), a state near by for when an
+    observation contradicts all samples. States and observations are any objects that can be
+    hashed.
+    """
+    def __init__(self, model: Any, states: Iterable, options: OnlineOptions = ..., particles: ParticleOptions = ..., seed: int = 1) -> None:
+        """`states` are samples of the initial belief. Raises InvalidArgument: a method is missing,
+        an option out of range, no states.
+        """
+    @property
+    def states(self) -> list:
+        """The samples of the belief."""
+    def restart(self, states: Iterable) -> None:
+        """Begins anew with these samples."""
+    def plan(self) -> OnlineDecision:
+        """The action here. What the model's methods raise goes through; Ctrl-C ends it."""
+    def advance(self, action: int, observation: Any) -> None:
+        """Goes on to the belief after an action and an observation. Raises FailedPrecondition when
+        no sample agrees with the observation.
+        """
