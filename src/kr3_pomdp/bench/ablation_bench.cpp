@@ -1,6 +1,7 @@
 // Solves a model with parts of the solver left out, one by one; prints the bounds as JSON lines.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -61,7 +62,8 @@ void run(const Model& model, const Variant& variant, const std::vector<double>& 
   limits.precision = 0.0;
   (void)solveWith(model, limits, variant.parts, [&](const SolverProgress& progress) {
     const double cpu_s = processCpuSeconds() - start_s;
-    while (next < times.size() && cpu_s >= times[next])
+    const bool bounded = std::isfinite(progress.lower);
+    while (bounded && next < times.size() && cpu_s >= times[next])
     {
       print(variant, times[next++], progress);
     }

@@ -54,7 +54,8 @@ def _goals(session: Session, cells: int, trace: Trace, longest: float) -> None:
             value = _of(goal.kind, point.bounds)
             better = "higher" if goal.kind == "lower" else "lower"
             params = {"problem": room_file(cells), "time_s": goal.time_s}
-            session.add(Figure(f"{goal.kind} bound", value, "", goal.value, better, params))
+            name = "gap" if goal.kind == "gap" else f"{goal.kind} bound"
+            session.add(Figure(name, value, "", goal.value, better, params))
 
 
 def _of(kind: str, bounds: Bounds) -> float:
