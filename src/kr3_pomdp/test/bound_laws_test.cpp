@@ -16,14 +16,6 @@ namespace kr3::pomdp
 namespace
 {
 
-SolverLimits backups(std::uint64_t count, double precision)
-{
-  SolverLimits limits;
-  limits.precision = precision;
-  limits.max_backups = count;
-  return limits;
-}
-
 TEST(BoundLaws, BoundsHoldTheOptimum)
 {
   int compared = 0;
@@ -43,7 +35,7 @@ TEST(BoundLaws, BoundsHoldTheOptimum)
     for (const std::uint64_t count : {1U, 4U, 20U, 100U, 3000U})
     {
       const double precision = 1e-4 * test::scaleOf(model);
-      const SolveResult result = solve(model, backups(count, precision));
+      const SolveResult result = solve(model, test::backups(count, precision));
       EXPECT_LE(result.lower, greatest + slack) << count << " backups";
       EXPECT_GE(result.upper, least - slack) << count << " backups";
       EXPECT_LE(result.lower, result.upper) << count << " backups";
@@ -82,7 +74,7 @@ TEST(BoundLaws, BoundsHoldTheOptimumOfKnownProblems)
     const double least = startValue(problem.model, exact);
     for (const std::uint64_t count : {10U, 100U, 2000U})
     {
-      const SolveResult result = solve(problem.model, backups(count, 1e-4));
+      const SolveResult result = solve(problem.model, test::backups(count, 1e-4));
       EXPECT_LE(result.lower, least + exact.error + 1e-8) << count << " backups";
       EXPECT_GE(result.upper, least - 1e-8) << count << " backups";
     }

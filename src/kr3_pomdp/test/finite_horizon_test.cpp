@@ -17,31 +17,15 @@ namespace kr3::pomdp
 namespace
 {
 
-SolverLimits backups(std::uint64_t count, double precision = 0.0)
-{
-  SolverLimits limits;
-  limits.precision = precision;
-  limits.max_backups = count;
-  return limits;
-}
-
 double greatestReward(const Model& model)
 {
   return test::scaleOf(model) * (1.0 - model.discount());
 }
 
-/// The same model with another discount.
-Model withDiscount(const Model& model, double discount)
-{
-  ModelParts parts = test::partsOf(model);
-  parts.discount = discount;
-  return Model(std::move(parts));
-}
-
 TEST(FiniteHorizon, BoundsHoldTheBestValueWithAnyDiscount)
 {
   test::forEachModel(40, [](const Model& discounted, std::uint64_t seed) {
-    const Model model = seed % 3 == 0 ? discounted : withDiscount(discounted, 1.0);
+    const Model model = seed % 3 == 0 ? discounted : test::withDiscount(discounted, 1.0);
     const int steps = model.numObservations() * model.numActions() > 12 ? 2 : 3;
     double best = 0.0;
     for (const InitialOutcome& outcome : model.initialOutcomes())
@@ -52,7 +36,7 @@ TEST(FiniteHorizon, BoundsHoldTheBestValueWithAnyDiscount)
     for (const std::uint64_t count : {1U, 5U, 2000U})
     {
       const SolveResult result =
-          solveOver(model, static_cast<std::size_t>(steps), backups(count, slack)).result;
+          solveOver(model, static_cast<std::size_t>(steps), test::backups(count, slack)).result;
       EXPECT_LE(result.lower, best + slack) << count << " backups";
       EXPECT_GE(result.upper, best - slack) << count << " backups";
       if (result.reason == StopReason::kPrecision)
@@ -73,7 +57,7 @@ TEST(FiniteHorizon, AgreesWithTheExactSolver)
       ExactLimits limits;
       limits.horizon = steps;
       const double exact = startValue(model, solveExactly(model, limits));
-      const HorizonResult found = solveOver(model, steps, backups(20000, 1e-6));
+      const HorizonResult found = solveOver(model, steps, test::backups(20000, 1e-6));
       EXPECT_LE(found.result.lower, exact + 1e-9) << steps << " steps";
       EXPECT_GE(found.result.upper, exact - 1e-9) << steps << " steps";
       EXPECT_NEAR(found.result.lower, exact, 1e-5) << steps << " steps";
@@ -85,7 +69,7 @@ TEST(FiniteHorizon, ThePolicyEarnsItsValueOverItsSteps)
 {
   for (const Model& model : {test::tiger(1.0), test::roomSearch(2)})
   {
-    const HorizonResult found = solveOver(model, 6, backups(2000));
+    const HorizonResult found = solveOver(model, 6, test::backups(2000));
     EvaluationLimits limits;
     limits.trials = 20000;
     const Evaluation value = evaluate(model, found.policy, limits, 3);
@@ -106,7 +90,7 @@ TEST(FiniteHorizon, ThePolicyEarnsItsValueOverItsSteps)
 
 TEST(FiniteHorizon, TheLastStepIsGreedy)
 {
-  const HorizonPolicy policy = solveOver(test::tiger(1.0), 4, backups(500)).policy;
+  const HorizonPolicy policy = solveOver(test::tiger(1.0), 4, test::backups(500)).policy;
   EXPECT_EQ(policy.horizon(), 4U);
   EXPECT_EQ(policy.numStates(), 2U);
   EXPECT_EQ(policy.bestAt(Belief({0.5, 0.5}), 3).action, 0U);    // nothing is gained by a guess
@@ -117,7 +101,7 @@ TEST(FiniteHorizon, TheLastStepIsGreedy)
 
 TEST(FiniteHorizon, PoliciesAreReadBack)
 {
-  const HorizonPolicy policy = solveOver(test::roomSearch(2), 3, backups(200)).policy;
+  const HorizonPolicy policy = solveOver(test::roomSearch(2), 3, test::backups(200)).policy;
   std::stringstream text;
   policy.write(text);
   const HorizonPolicy again = HorizonPolicy::read(text, "text");
@@ -143,9 +127,9 @@ TEST(FiniteHorizon, RefusesWhatIsNoHorizon)
 {
   EXPECT_THROW((void)overHorizon(test::tiger(), 0), InvalidArgument);
   EXPECT_THROW((void)overHorizon(test::roomSearch(2), 1U << 23), ResourceExhausted);
-  EXPECT_THROW(
-      (void)evaluate(test::tiger(), solveOver(test::roomSearch(2), 2, backups(5)).policy, {}, 1),
-      InvalidArgument);
+  EXPECT_THROW((void)evaluate(test::tiger(),
+                              solveOver(test::roomSearch(2), 2, test::backups(5)).policy, {}, 1),
+               InvalidArgument);
 }
 
 }  // namespace

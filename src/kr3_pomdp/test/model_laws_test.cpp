@@ -24,14 +24,6 @@ namespace kr3::pomdp
 namespace
 {
 
-SolverLimits backups(std::uint64_t count, double precision = 0.0)
-{
-  SolverLimits limits;
-  limits.precision = precision;
-  limits.max_backups = count;
-  return limits;
-}
-
 std::string textOf(const Policy& policy)
 {
   std::ostringstream out;
@@ -46,22 +38,9 @@ double valueOver(const Model& model, const Policy& policy, const Belief& belief,
   {
     return 0.0;
   }
-  const std::size_t action = policy.actionAt(belief);
-  double value = 0.0;
-  for (std::size_t s = 0; s < model.numStates(); ++s)
-  {
-    value += belief[s] * model.reward(action, s);
-  }
-  const std::vector<double> chances = observationProbabilities(model, belief, action);
-  for (std::size_t o = 0; o < chances.size(); ++o)
-  {
-    if (chances[o] > 0.0)
-    {
-      value += model.discount() * chances[o] *
-               valueOver(model, policy, updated(model, belief, action, o).posterior, steps - 1);
-    }
-  }
-  return value;
+  return test::valueAhead(model, belief, policy.actionAt(belief), [&](const Belief& next) {
+    return valueOver(model, policy, next, steps - 1);
+  });
 }
 
 TEST(ModelLaws, BeliefsAreWhatBayesSays)
@@ -114,10 +93,10 @@ TEST(ModelLaws, FilesKeepTheModelToTheLastBit)
     std::stringstream text;
     writePomdpx(text, model);
     again.push_back(readPomdpx(text, "text").flattened());
-    const SolveResult result = solve(model, backups(60));
+    const SolveResult result = solve(model, test::backups(60));
     for (const Model& copy : again)
     {
-      const SolveResult of_copy = solve(copy, backups(60));
+      const SolveResult of_copy = solve(copy, test::backups(60));
       if (model.initialLabels().empty())
       {
         EXPECT_EQ(of_copy.lower, result.lower);
@@ -141,10 +120,10 @@ TEST(ModelLaws, FactorsAndTheFlatModelHaveTheSameValue)
     writePomdpx(in_factors, factored);
     std::stringstream in_one;
     writePomdpx(in_one, flat);
-    const SolveResult result = solve(flat, backups(200));
+    const SolveResult result = solve(flat, test::backups(200));
     const SolveResult of_factors =
-        solve(readPomdpx(in_factors, "factors").flattened(), backups(200));
-    const SolveResult of_one = solve(readPomdpx(in_one, "one").flattened(), backups(200));
+        solve(readPomdpx(in_factors, "factors").flattened(), test::backups(200));
+    const SolveResult of_one = solve(readPomdpx(in_one, "one").flattened(), test::backups(200));
     EXPECT_EQ(of_factors.lower, result.lower) << "seed " << seed;
     EXPECT_EQ(of_factors.upper, result.upper) << "seed " << seed;
     // As one variable the same model may be worked on in another order.
@@ -158,8 +137,8 @@ TEST(ModelLaws, CountedWorkGivesTheSamePolicyToTheLastByte)
   test::forEachModel(30, [](const Model& model, std::uint64_t /*seed*/) {
     for (const std::uint64_t count : {1U, 30U, 400U})
     {
-      const SolveResult first = solve(model, backups(count, 1e-6));
-      const SolveResult second = solve(model, backups(count, 1e-6));
+      const SolveResult first = solve(model, test::backups(count, 1e-6));
+      const SolveResult second = solve(model, test::backups(count, 1e-6));
       EXPECT_EQ(textOf(first.policy), textOf(second.policy));
       EXPECT_EQ(first.upper, second.upper);
       EXPECT_EQ(first.backups, second.backups);
@@ -172,14 +151,15 @@ TEST(ModelLaws, BoundsOnlyComeNearer)
   test::forEachModel(30, [](const Model& model, std::uint64_t /*seed*/) {
     double lower = -std::numeric_limits<double>::infinity();
     double upper = std::numeric_limits<double>::infinity();
-    const SolveResult result = solve(model, backups(300), [&](const SolverProgress& progress) {
-      EXPECT_GE(progress.lower, lower);
-      EXPECT_LE(progress.upper, upper);
-      EXPECT_LE(progress.lower, progress.upper);
-      lower = progress.lower;
-      upper = progress.upper;
-      return true;
-    });
+    const SolveResult result =
+        solve(model, test::backups(300), [&](const SolverProgress& progress) {
+          EXPECT_GE(progress.lower, lower);
+          EXPECT_LE(progress.upper, upper);
+          EXPECT_LE(progress.lower, progress.upper);
+          lower = progress.lower;
+          upper = progress.upper;
+          return true;
+        });
     EXPECT_GE(result.lower, lower - 1e-9 * test::scaleOf(model));
     EXPECT_LE(result.upper, upper + 1e-9 * test::scaleOf(model));
   });
@@ -193,7 +173,7 @@ TEST(ModelLaws, PoliciesEarnWhatTheirVectorsPromise)
     const double slack = 1e-9 * test::scaleOf(model);
     for (const std::uint64_t count : {2U, 20U, 500U})
     {
-      const SolveResult result = solve(model, backups(count));
+      const SolveResult result = solve(model, test::backups(count));
       // What is earned later is at least the discounted least.
       constexpr int kSteps = 4;
       const double rest = std::pow(model.discount(), kSteps) * test::scaleOf(model);
@@ -201,7 +181,7 @@ TEST(ModelLaws, PoliciesEarnWhatTheirVectorsPromise)
                 result.policy.valueAt(start))
           << count << " backups";
     }
-    const SolveResult result = solve(model, backups(200));
+    const SolveResult result = solve(model, test::backups(200));
     EvaluationLimits limits;
     limits.trials = 1000;
     limits.truncation = 1e-5;
@@ -215,7 +195,7 @@ TEST(ModelLaws, PoliciesEarnWhatTheirVectorsPromise)
 TEST(ModelLaws, NoStepOfAPolicyFallsShortOfItsPromise)
 {
   test::forEachModel(30, [](const Model& model, std::uint64_t seed) {
-    const Policy policy = solve(model, backups(100)).policy;
+    const Policy policy = solve(model, test::backups(100)).policy;
     std::mt19937_64 random(seed);
     for (int trial = 0; trial < 10; ++trial)
     {
@@ -225,20 +205,9 @@ TEST(ModelLaws, NoStepOfAPolicyFallsShortOfItsPromise)
       for (int step = 0; step < 8; ++step)
       {
         const Policy::Choice choice = policy.bestAt(belief);
-        double ahead = 0.0;
-        for (std::size_t s = 0; s < model.numStates(); ++s)
-        {
-          ahead += belief[s] * model.reward(choice.action, s);
-        }
-        const std::vector<double> chances = observationProbabilities(model, belief, choice.action);
-        for (std::size_t o = 0; o < chances.size(); ++o)
-        {
-          if (chances[o] > 0.0)
-          {
-            ahead += model.discount() * chances[o] *
-                     policy.valueAt(updated(model, belief, choice.action, o).posterior);
-          }
-        }
+        const double ahead =
+            test::valueAhead(model, belief, choice.action,
+                             [&policy](const Belief& next) { return policy.valueAt(next); });
         EXPECT_GE(ahead, choice.value - 1e-8 * test::scaleOf(model));
         const std::size_t action = step % 3 == 0 ? random() % model.numActions() : choice.action;
         const SampledStep sampled = sampleStep(model, state, action, random);
@@ -253,7 +222,7 @@ TEST(ModelLaws, OneThreadAndTwoAgree)
 {
   test::forEachModel(20, [](const Model& model, std::uint64_t /*seed*/) {
     const double precision = 1e-3 * test::scaleOf(model);
-    SolverLimits limits = backups(2000, precision);
+    SolverLimits limits = test::backups(2000, precision);
     const SolveResult one = solve(model, limits);
     limits.num_threads = 2;
     const SolveResult two = solve(model, limits);

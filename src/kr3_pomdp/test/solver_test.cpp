@@ -20,14 +20,6 @@ namespace kr3::pomdp
 namespace
 {
 
-SolverLimits backups(std::uint64_t count, double precision = 0.0)
-{
-  SolverLimits limits;
-  limits.precision = precision;
-  limits.max_backups = count;
-  return limits;
-}
-
 TEST(Solver, TigerHasItsKnownValue)
 {
   // The optimal plan listens until one side leads by two, then opens the other door:
@@ -43,7 +35,7 @@ TEST(Solver, TigerHasItsKnownValue)
     v0 = -1.0 + g * (-1.0 + g * (u * v2 + (1.0 - u) * v0));
   }
   EXPECT_NEAR(v0, 19.37, 0.01);
-  const SolveResult result = solve(test::tiger(), backups(100000, 1e-3));
+  const SolveResult result = solve(test::tiger(), test::backups(100000, 1e-3));
   EXPECT_EQ(result.reason, StopReason::kPrecision);
   EXPECT_LE(result.lower, v0 + 1e-9);
   EXPECT_GE(result.upper, v0 - 1e-9);
@@ -60,7 +52,7 @@ TEST(Solver, BoundsHoldTheExactValueOfRandomModels)
     const double rest = std::pow(model.discount(), kHorizon) / (1.0 - model.discount());
     for (const std::uint64_t count : {1U, 5U, 2000U})
     {
-      const SolveResult result = solve(model, backups(count, 1e-4));
+      const SolveResult result = solve(model, test::backups(count, 1e-4));
       EXPECT_LE(result.lower, result.upper) << "seed " << seed;
       EXPECT_LE(result.lower, exact + rest) << "seed " << seed << ", " << count << " backups";
       EXPECT_GE(result.upper, exact - rest) << "seed " << seed << ", " << count << " backups";
@@ -74,7 +66,7 @@ TEST(Solver, BoundsOnlyComeNearer)
   double upper = std::numeric_limits<double>::infinity();
   std::uint64_t reports = 0;
   const SolveResult result =
-      solve(test::roomSearch(2), backups(2000), [&](const SolverProgress& progress) {
+      solve(test::roomSearch(2), test::backups(2000), [&](const SolverProgress& progress) {
         EXPECT_GE(progress.lower, lower);
         EXPECT_LE(progress.upper, upper);
         EXPECT_LE(progress.lower, progress.upper);
@@ -91,8 +83,8 @@ TEST(Solver, BoundsOnlyComeNearer)
 TEST(Solver, CountedWorkRepeatsExactly)
 {
   const Model model = test::roomSearch(3);
-  const SolveResult first = solve(model, backups(500));
-  const SolveResult second = solve(model, backups(500));
+  const SolveResult first = solve(model, test::backups(500));
+  const SolveResult second = solve(model, test::backups(500));
   EXPECT_EQ(first.lower, second.lower);
   EXPECT_EQ(first.upper, second.upper);
   EXPECT_EQ(first.backups, 500U);
@@ -102,15 +94,15 @@ TEST(Solver, CountedWorkRepeatsExactly)
 TEST(Solver, SearchesRoomsBetterThanTheGreedyRule)
 {
   // The greedy rule with the best thresholds earns 59.16 +- 0.21 with 4 cells, 45.9 +- 0.21 with 9.
-  EXPECT_GT(solve(test::roomSearch(2), backups(10000)).lower, 58.9);
-  EXPECT_GT(solve(test::roomSearch(3), backups(20000)).lower, 44.0);
+  EXPECT_GT(solve(test::roomSearch(2), test::backups(10000)).lower, 58.9);
+  EXPECT_GT(solve(test::roomSearch(3), test::backups(20000)).lower, 44.0);
 }
 
 TEST(Solver, ThePolicyEarnsWhatTheBoundsSay)
 {
   for (const Model& model : {test::tiger(), test::roomSearch(2)})
   {
-    const SolveResult result = solve(model, backups(3000));
+    const SolveResult result = solve(model, test::backups(3000));
     EvaluationLimits limits;
     limits.trials = 4000;
     limits.truncation = 1e-4;
@@ -125,7 +117,7 @@ TEST(Solver, BoundsHoldAtLaterBeliefsToo)
   // One step ahead the policy's value must not fall below its promise:
   // V(b) <= R(b, a) + g sum_o Pr(o) V(b'), with a the policy's action.
   const Model model = test::roomSearch(2);
-  const Policy policy = solve(model, backups(1500)).policy;
+  const Policy policy = solve(model, test::backups(1500)).policy;
   std::mt19937_64 random(3);
   for (int trial = 0; trial < 40; ++trial)
   {
@@ -134,20 +126,9 @@ TEST(Solver, BoundsHoldAtLaterBeliefsToo)
     for (int step = 0; step < 25; ++step)
     {
       const Policy::Choice choice = policy.bestAt(belief);
-      double ahead = 0.0;
-      for (std::size_t s = 0; s < model.numStates(); ++s)
-      {
-        ahead += belief[s] * model.reward(choice.action, s);
-      }
-      const std::vector<double> chances = observationProbabilities(model, belief, choice.action);
-      for (std::size_t o = 0; o < chances.size(); ++o)
-      {
-        if (chances[o] > 0.0)
-        {
-          ahead += model.discount() * chances[o] *
-                   policy.valueAt(updated(model, belief, choice.action, o).posterior);
-        }
-      }
+      const double ahead =
+          test::valueAhead(model, belief, choice.action,
+                           [&policy](const Belief& next) { return policy.valueAt(next); });
       EXPECT_GE(ahead, choice.value - 1e-6);
       const std::size_t action = step % 3 == 0 ? random() % model.numActions() : choice.action;
       const SampledStep sampled = sampleStep(model, state, action, random);
@@ -195,7 +176,7 @@ TEST(Solver, KeepsItsDeadline)
 
 TEST(Solver, KeepsItsMemoryLimit)
 {
-  SolverLimits limits = backups(1000000);
+  SolverLimits limits = test::backups(1000000);
   limits.max_memory_bytes = 4U << 20U;
   std::size_t before = 0;
   const SolveResult result =
@@ -217,8 +198,8 @@ TEST(Solver, RefusesWhatCannotEnd)
   EXPECT_THROW((void)solve(test::tiger(), limits), InvalidArgument);
   limits.precision = -1.0;
   EXPECT_THROW((void)solve(test::tiger(), limits), InvalidArgument);
-  EXPECT_THROW((void)solve(test::tiger(1.0), backups(10)), InvalidArgument);
-  limits = backups(10);
+  EXPECT_THROW((void)solve(test::tiger(1.0), test::backups(10)), InvalidArgument);
+  limits = test::backups(10);
   limits.num_threads = 0;
   EXPECT_THROW((void)solve(test::tiger(), limits), InvalidArgument);
 }
@@ -230,7 +211,7 @@ TEST(Solver, OneStateIsSolvedExactly)
   builder.setTransition(kAny, 0, 0, 1.0);
   builder.setObservation(kAny, 0, 0, 1.0);
   builder.setReward(1, 0, 2.0);
-  const SolveResult result = solve(builder.build(), backups(1000, 1e-6));
+  const SolveResult result = solve(builder.build(), test::backups(1000, 1e-6));
   EXPECT_NEAR(result.lower, 20.0, 1e-4);
   EXPECT_NEAR(result.upper, 20.0, 1e-4);
   EXPECT_EQ(result.policy.actionAt(Belief({1.0})), 1U);

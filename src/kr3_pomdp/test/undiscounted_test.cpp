@@ -21,21 +21,6 @@ namespace kr3::pomdp
 namespace
 {
 
-SolverLimits backups(std::uint64_t count, double precision = 0.0)
-{
-  SolverLimits limits;
-  limits.precision = precision;
-  limits.max_backups = count;
-  return limits;
-}
-
-Model undiscounted(const Model& model)
-{
-  ModelParts parts = test::partsOf(model);
-  parts.discount = 1.0;
-  return Model(std::move(parts));
-}
-
 /// The tiger with one door to open: after that all is over.
 Model tigerOnce()
 {
@@ -66,7 +51,7 @@ std::string refusalOf(const Model& model)
 {
   try
   {
-    (void)solve(model, backups(10));
+    (void)solve(model, test::backups(10));
   }
   catch (const InvalidArgument& e)
   {
@@ -88,7 +73,7 @@ TEST(Undiscounted, TheTigerOnceIsAGamblersWalk)
     const double steps = k / (p - q) * (2.0 * right - 1.0);
     best = std::max(best, -steps + 10.0 * right - 100.0 * (1.0 - right));
   }
-  const SolveResult result = solve(tigerOnce(), backups(20000, 1e-6));
+  const SolveResult result = solve(tigerOnce(), test::backups(20000, 1e-6));
   EXPECT_LE(result.lower, best + 1e-9);
   EXPECT_GE(result.upper, best - 1e-9);
   EXPECT_NEAR(result.lower, best, 1e-4);
@@ -106,7 +91,7 @@ TEST(Undiscounted, TryingUntilItWorksHasItsGeometricValue)
   builder.setReward(0, 0, -3.0);
   builder.setReward(1, 0, -1.0);
   builder.setInitialBelief({1.0, 0.0});
-  const SolveResult result = solve(builder.build(), backups(5000, 1e-3));
+  const SolveResult result = solve(builder.build(), test::backups(5000, 1e-3));
   EXPECT_LE(result.lower, -150.0 + 1e-6);
   EXPECT_GE(result.upper, -150.0 - 1e-6);
   EXPECT_NEAR(result.lower, -150.0, 0.1);
@@ -140,7 +125,7 @@ TEST(Undiscounted, NoSingleActionNeedsToEnd)
   // All steps cost the same, so the best plan goes one way until half of the cases are over, two
   // steps, and then back until the others are, from their far cell: 1, 2, 2 + 2 and 2 + 2 steps.
   const double best = -0.25 * (1.0 + 2.0 + 4.0 + 4.0);
-  const SolveResult result = solve(model, backups(3000, 1e-6));
+  const SolveResult result = solve(model, test::backups(3000, 1e-6));
   EXPECT_LE(result.lower, result.upper);
   EXPECT_GE(result.upper, best - 1e-9);
   EXPECT_NEAR(result.lower, best, 1e-6);
@@ -154,9 +139,9 @@ TEST(Undiscounted, SearchesHoldTheirBounds)
     {
       return;  // others need not end
     }
-    const Model model = undiscounted(discounted);
-    const SolveResult early = solve(model, backups(3));
-    const SolveResult result = solve(model, backups(1000, 1e-4));
+    const Model model = test::withDiscount(discounted, 1.0);
+    const SolveResult early = solve(model, test::backups(3));
+    const SolveResult result = solve(model, test::backups(1000, 1e-4));
     EXPECT_LE(early.lower, result.upper + 1e-9);
     EXPECT_GE(early.upper, result.lower - 1e-9);
     EvaluationLimits limits;
@@ -172,11 +157,9 @@ TEST(Undiscounted, IsTheLimitOfDiscountsNearOne)
 {
   for (const std::uint64_t seed : {4U, 8U, 12U})
   {
-    ModelParts parts = test::partsOf(test::randomSearch(seed));
-    parts.discount = 0.9999;
-    const SolveResult near = solve(Model(parts), backups(3000, 1e-4));
-    parts.discount = 1.0;
-    const SolveResult result = solve(Model(parts), backups(3000, 1e-4));
+    const Model model = test::randomSearch(seed);
+    const SolveResult near = solve(test::withDiscount(model, 0.9999), test::backups(3000, 1e-4));
+    const SolveResult result = solve(test::withDiscount(model, 1.0), test::backups(3000, 1e-4));
     EXPECT_LE(result.lower, near.upper + 0.05) << "seed " << seed;
     EXPECT_GE(result.upper, near.lower - 0.05) << "seed " << seed;
   }
@@ -184,10 +167,11 @@ TEST(Undiscounted, IsTheLimitOfDiscountsNearOne)
 
 TEST(Undiscounted, SearchesRoomsWithoutDiscount)
 {
-  const Model model = undiscounted(test::roomSearch(2));
-  const SolveResult result = solve(model, backups(5000));
+  const Model model = test::withDiscount(test::roomSearch(2), 1.0);
+  const SolveResult result = solve(model, test::backups(5000));
   EXPECT_LE(result.lower, result.upper);
-  EXPECT_GT(result.lower, solve(test::roomSearch(2), backups(5000)).lower);  // nothing is lost
+  EXPECT_GT(result.lower,
+            solve(test::roomSearch(2), test::backups(5000)).lower);  // nothing is lost
   EvaluationLimits limits;
   limits.trials = 4000;
   const Evaluation value = evaluate(model, result.policy, limits, 2);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kr3_pomdp/model.hpp"
+#include "kr3_pomdp/solver.hpp"
 
 namespace kr3::pomdp::test
 {
@@ -63,6 +64,12 @@ struct RandomShape
 
 /// A belief over `num_states` states, at times on the border of the simplex.
 [[nodiscard]] Belief randomBelief(std::size_t num_states, std::mt19937_64& random);
+
+/// Limits of a run of counted work.
+[[nodiscard]] SolverLimits backups(std::uint64_t count, double precision = 0.0);
+
+/// The same model with another discount.
+[[nodiscard]] Model withDiscount(const Model& model, double discount);
 
 /// The parts that make the same model again.
 [[nodiscard]] ModelParts partsOf(const Model& model);

@@ -63,20 +63,9 @@ double bestValueOver(const Model& model, const Belief& belief, int horizon)
   double best = -std::numeric_limits<double>::infinity();
   for (std::size_t a = 0; a < model.numActions(); ++a)
   {
-    double value = 0.0;
-    for (std::size_t s = 0; s < model.numStates(); ++s)
-    {
-      value += belief[s] * model.reward(a, s);
-    }
-    const std::vector<double> chances = observationProbabilities(model, belief, a);
-    for (std::size_t o = 0; o < chances.size(); ++o)
-    {
-      if (chances[o] > 0.0)
-      {
-        value += model.discount() * chances[o] *
-                 bestValueOver(model, updated(model, belief, a, o).posterior, horizon - 1);
-      }
-    }
+    const double value = valueAhead(model, belief, a, [&](const Belief& next) {
+      return bestValueOver(model, next, horizon - 1);
+    });
     best = std::max(best, value);
   }
   return best;

@@ -278,6 +278,21 @@ ModelParts partsOf(const Model& model)
   return parts;
 }
 
+SolverLimits backups(std::uint64_t count, double precision)
+{
+  SolverLimits limits;
+  limits.precision = precision;
+  limits.max_backups = count;
+  return limits;
+}
+
+Model withDiscount(const Model& model, double discount)
+{
+  ModelParts parts = partsOf(model);
+  parts.discount = discount;
+  return Model(std::move(parts));
+}
+
 Model withLabels(const Model& model, std::vector<std::uint32_t> labels)
 {
   ModelParts parts = partsOf(model);
