@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <utility>
 
@@ -153,6 +152,30 @@ std::vector<bool> enteredStates(const Model& model, const std::vector<std::uint3
   return entered;
 }
 
+/// One entry of a branch, with its row.
+struct JointEntry
+{
+  std::size_t state;
+  SparseEntry next;
+};
+
+SparseRows rowsOf(const std::vector<JointEntry>& entries, std::size_t num_rows)
+{
+  SparseRows rows;
+  std::vector<SparseEntry> row;
+  std::size_t i = 0;
+  for (std::size_t state = 0; state < num_rows; ++state)
+  {
+    row.clear();
+    for (; i < entries.size() && entries[i].state == state; ++i)
+    {
+      row.push_back(entries[i].next);
+    }
+    rows.append(row);
+  }
+  return rows;
+}
+
 }  // namespace
 
 ObservedModel::ObservedModel(const Model& model, bool find_classes) : model_(&model)
@@ -216,14 +239,15 @@ ObservedModel::ObservedModel(const Model& model, bool find_classes) : model_(&mo
     starts_.push_back(std::move(start));
   }
 
+  std::vector<std::uint32_t> branch_of(model.numObservations());
   for (StateClass& state_class : classes_)
   {
     state_class.actions.resize(model.numActions());
     for (std::size_t a = 0; a < model.numActions(); ++a)
     {
       ClassAction& action = state_class.actions[a];
-      std::map<std::uint32_t, std::size_t> branch_of_observation;
-      std::vector<std::vector<std::vector<SparseEntry>>> rows;  // [branch][local state]
+      std::fill(branch_of.begin(), branch_of.end(), kNone);
+      std::vector<std::vector<JointEntry>> entries;  // [branch], by ascending state
       for (std::size_t i = 0; i < state_class.states.size(); ++i)
       {
         const std::uint32_t s = state_class.states[i];
@@ -232,23 +256,21 @@ ObservedModel::ObservedModel(const Model& model, bool find_classes) : model_(&mo
         {
           for (const SparseEntry& seen : model.observations(a, next.index))
           {
-            const auto [found, inserted] = branch_of_observation.emplace(seen.index, rows.size());
-            if (inserted)
+            std::uint32_t& branch = branch_of[seen.index];
+            if (branch == kNone)
             {
-              rows.emplace_back(state_class.states.size());
+              branch = static_cast<std::uint32_t>(entries.size());
+              entries.emplace_back();
               action.branches.push_back({class_of[next.index], {}});
             }
-            rows[found->second][i].push_back(
-                {local_of[next.index], next.probability * seen.probability});
+            entries[branch].push_back(
+                {i, {local_of[next.index], next.probability * seen.probability}});
           }
         }
       }
-      for (std::size_t b = 0; b < rows.size(); ++b)
+      for (std::size_t b = 0; b < entries.size(); ++b)
       {
-        for (const std::vector<SparseEntry>& row : rows[b])
-        {
-          action.branches[b].joint.append(row);
-        }
+        action.branches[b].joint = rowsOf(entries[b], state_class.states.size());
       }
     }
   }

@@ -8,6 +8,8 @@
 
 #include <kr3_common/error.hpp>
 
+#include "weighted_sums.hpp"
+
 namespace kr3::pomdp
 {
 
@@ -127,11 +129,13 @@ Policy::Choice Policy::bestAt(const Belief& belief) const
                           std::to_string(num_states_));
   }
   std::vector<std::uint32_t> support;
+  std::vector<double> weights;
   for (std::size_t s = 0; s < num_states_; ++s)
   {
     if (belief[s] > 0.0)
     {
       support.push_back(static_cast<std::uint32_t>(s));
+      weights.push_back(belief[s]);
     }
   }
   Choice best{0, -std::numeric_limits<double>::infinity()};
@@ -154,17 +158,8 @@ Policy::Choice Policy::bestAt(const Belief& belief) const
     {
       continue;
     }
-    const std::size_t count = group.actions.size();
-    sums.assign(count, 0.0);
-    for (std::size_t i = 0; i < support.size(); ++i)
-    {
-      const double weight = belief[support[i]];
-      const double* row = group.values.data() + places[i] * count;
-      for (std::size_t v = 0; v < count; ++v)
-      {
-        sums[v] += weight * row[v];
-      }
-    }
+    sums.resize(group.actions.size());
+    sumWeightedRows(group.values.data(), places, weights, sums);
     const auto top = std::max_element(sums.begin(), sums.end());
     if (*top > best.value)
     {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
 #include <utility>
@@ -18,6 +19,9 @@ namespace kr3::pomdp
 
 namespace
 {
+
+/// After its deadline, a run still improves the plan for all states for so long.
+constexpr double kPatience_s = 0.005;
 
 void check(const SolverLimits& limits, bool has_callback)
 {
@@ -38,7 +42,7 @@ void check(const SolverLimits& limits, bool has_callback)
 }
 
 /// The value of doing one action for ever, in all states of the model: the best one from the start.
-AlphaVector blindVector(const Model& model)
+AlphaVector blindVector(const Model& model, const std::function<bool()>& keep_going)
 {
   AlphaVector best;
   double best_value = -std::numeric_limits<double>::infinity();
@@ -51,7 +55,7 @@ AlphaVector blindVector(const Model& model)
   for (std::size_t a = 0; a < model.numActions(); ++a)
   {
     std::vector<double> values(model.numStates(), least / (1.0 - model.discount()));
-    for (int sweep = 0; sweep < 300; ++sweep)
+    for (int sweep = 0; sweep < 300 && keep_going(); ++sweep)
     {
       for (std::size_t s = 0; s < values.size(); ++s)
       {
@@ -93,12 +97,14 @@ std::vector<AlphaVector> plansForAll(const Model& model, const UndiscountedBound
   return plans;
 }
 
-Policy policyOf(const BeliefGraph& graph, const std::optional<UndiscountedBounds>& first)
+/// @param keep_going  asked while a plan for all states is improved
+Policy policyOf(const BeliefGraph& graph, const std::optional<UndiscountedBounds>& first,
+                const std::function<bool()>& keep_going)
 {
   const ObservedModel& observed = graph.model();
-  std::vector<AlphaVector> vectors = first
-                                         ? plansForAll(observed.model(), *first)
-                                         : std::vector<AlphaVector>{blindVector(observed.model())};
+  std::vector<AlphaVector> vectors =
+      first ? plansForAll(observed.model(), *first)
+            : std::vector<AlphaVector>{blindVector(observed.model(), keep_going)};
   for (std::size_t c = 0; c < observed.classes().size(); ++c)
   {
     const VectorSet& set = graph.vectors()[c];
@@ -182,7 +188,10 @@ SolveResult solveWith(const Model& model, const SolverLimits& limits, const Solv
   }
   SearchTeam team(observed, std::move(informed), blind, limits, parts, supervisor);
   team.run();
-  Policy policy = policyOf(team.graph(), first);
+  const double end_s = supervisor.elapsedSeconds();
+  Policy policy = policyOf(team.graph(), first, [&supervisor, end_s] {
+    return !supervisor.isUrgent() || supervisor.elapsedSeconds() < end_s + kPatience_s;
+  });
   double lower = 0.0;
   for (const InitialOutcome& outcome : model.initialOutcomes())
   {
