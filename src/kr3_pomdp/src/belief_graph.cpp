@@ -303,6 +303,7 @@ void BeliefGraph::addVector(std::uint32_t state_class, std::uint32_t action,
   VectorSet& set = vectors_[state_class];
   set_bytes_ -= set.sizeInBytes();
   num_vectors_ -= set.numAlive();
+  num_entries_ -= set.numAlive() * values.size();
   const std::uint32_t end = set.end();
   work_ += 2 * set.numAlive();
   set.add(action, values);
@@ -311,6 +312,7 @@ void BeliefGraph::addVector(std::uint32_t state_class, std::uint32_t action,
     new_vectors_.push_back({state_class, end});
   }
   num_vectors_ += set.numAlive();
+  num_entries_ += set.numAlive() * values.size();
   set_bytes_ += set.sizeInBytes();
 }
 

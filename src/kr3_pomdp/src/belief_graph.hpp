@@ -73,6 +73,8 @@ public:
   [[nodiscard]] const std::vector<NodeId>& roots() const { return roots_; }
   [[nodiscard]] std::size_t numNodes() const { return nodes_.size(); }
   [[nodiscard]] std::size_t numVectors() const { return num_vectors_; }
+  /// Entries of all vectors together.
+  [[nodiscard]] std::size_t numEntries() const { return num_entries_; }
   [[nodiscard]] const std::vector<VectorSet>& vectors() const { return vectors_; }
   [[nodiscard]] const ObservedModel& model() const { return *model_; }
   [[nodiscard]] UpperBoundSource* source() const { return source_; }
@@ -188,6 +190,7 @@ private:
   // built: [class][action][branch].
   std::vector<std::vector<std::vector<NodeId>>> fallbacks_;
   std::size_t num_vectors_ = 0;
+  std::size_t num_entries_ = 0;
   std::size_t set_bytes_ = 0;  // vectors and points
   std::size_t fixed_bytes_ = 0;
   std::uint64_t work_ = 0;

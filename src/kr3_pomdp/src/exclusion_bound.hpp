@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -26,10 +27,12 @@ class ExclusionBound : public UpperBoundSource
 {
 public:
   /// @param informed  upper bounds of the real model, for what ends the search
+  /// @param keep_going   asked often; false gives nothing; may be empty
   /// @param most_values  more values than this are grouped
   /// @return nothing where it does not apply: no hidden value that stays, or the model is too large
   [[nodiscard]] static std::unique_ptr<ExclusionBound> make(const ObservedModel& real,
                                                             const InformedVectors& informed,
+                                                            const std::function<bool()>& keep_going,
                                                             std::size_t most_values = 17);
 
   void advance() override;

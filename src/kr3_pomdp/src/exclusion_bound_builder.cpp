@@ -72,11 +72,12 @@ std::vector<double> cornersOf(const ObservedModel& model, const InformedVectors&
 class ExclusionBound::Builder
 {
 public:
-  Builder(const ObservedModel& real, const InformedVectors& informed, std::size_t most_values)
+  Builder(const ObservedModel& real, const InformedVectors& informed,
+          const std::function<bool()>& keep_going, std::size_t most_values)
     : real_(real)
     , most_values_(most_values)
     , clean_model_(withNoiseFreeSensors(real.model()))
-    , clean_(clean_model_)
+    , clean_(clean_model_, true, keep_going)
     , corners_(cornersOf(real, informed))
   {
   }
@@ -412,13 +413,21 @@ private:
 
 std::unique_ptr<ExclusionBound> ExclusionBound::make(const ObservedModel& real,
                                                      const InformedVectors& informed,
+                                                     const std::function<bool()>& keep_going,
                                                      std::size_t most_values)
 {
   if (real.model().numStates() * real.numActions() > kMaxRows)
   {
     return nullptr;
   }
-  return Builder(real, informed, most_values).build();
+  try
+  {
+    return Builder(real, informed, keep_going, most_values).build();
+  }
+  catch (const Abandoned&)
+  {
+    return nullptr;
+  }
 }
 
 }  // namespace kr3::pomdp

@@ -82,7 +82,7 @@ double greatestAt(const std::vector<std::vector<double>>& vectors, std::size_t s
 /// Q of the fully observed model, in place (each new value is used at once,
 /// which stays above).
 double observedSweep(const ObservedModel& model, std::vector<std::vector<double>>& values,
-                     InformedVectors& vectors)
+                     InformedVectors& vectors, const std::function<bool()>& keep_going)
 {
   double change = 0.0;
   for (std::size_t c = model.classes().size(); c-- > 0;)
@@ -90,6 +90,10 @@ double observedSweep(const ObservedModel& model, std::vector<std::vector<double>
     const StateClass& state_class = model.classes()[c];
     for (std::size_t a = 0; a < state_class.actions.size(); ++a)
     {
+      if (!keep_going())
+      {
+        return 0.0;
+      }
       const ClassAction& action = state_class.actions[a];
       for (std::size_t s = 0; s < state_class.states.size(); ++s)
       {
@@ -114,7 +118,8 @@ double observedSweep(const ObservedModel& model, std::vector<std::vector<double>
   return change;
 }
 
-double informedSweep(const ObservedModel& model, InformedVectors& vectors)
+double informedSweep(const ObservedModel& model, InformedVectors& vectors,
+                     const std::function<bool()>& keep_going)
 {
   double change = 0.0;
   for (std::size_t c = model.classes().size(); c-- > 0;)
@@ -122,6 +127,10 @@ double informedSweep(const ObservedModel& model, InformedVectors& vectors)
     const StateClass& state_class = model.classes()[c];
     for (std::size_t a = 0; a < state_class.actions.size(); ++a)
     {
+      if (!keep_going())
+      {
+        return 0.0;
+      }
       const ClassAction& action = state_class.actions[a];
       for (std::size_t s = 0; s < state_class.states.size(); ++s)
       {
@@ -156,12 +165,17 @@ double informedSweep(const ObservedModel& model, InformedVectors& vectors)
 }
 
 /// One action for ever, in place (each new value is used at once, which stays below).
-double blindSweep(const ObservedModel& model, std::size_t a, InformedVectors& vectors)
+double blindSweep(const ObservedModel& model, std::size_t a, InformedVectors& vectors,
+                  const std::function<bool()>& keep_going)
 {
   double change = 0.0;
   for (std::size_t c = model.classes().size(); c-- > 0;)
   {
     const StateClass& state_class = model.classes()[c];
+    if (!keep_going())
+    {
+      return 0.0;
+    }
     const ClassAction& action = state_class.actions[a];
     for (std::size_t s = 0; s < state_class.states.size(); ++s)
     {
@@ -239,14 +253,14 @@ InformedVectors informedBound(const ObservedModel& model, const std::function<bo
   const double enough = kTolerance * range.scale();
   for (int i = 0; i < kMaxSweeps && keep_going(); ++i)
   {
-    if (observedSweep(model, values, vectors) < enough)
+    if (observedSweep(model, values, vectors, keep_going) < enough)
     {
       break;
     }
   }
   for (int i = 0; i < kMaxInformedSweeps && keep_going(); ++i)
   {
-    if (informedSweep(model, vectors) < kInformedTolerance * range.scale())
+    if (informedSweep(model, vectors, keep_going) < kInformedTolerance * range.scale())
     {
       break;
     }
@@ -291,7 +305,7 @@ InformedVectors blindBound(const ObservedModel& model, const std::function<bool(
     }
     for (int i = 0; i < kMaxBlindSweeps && keep_going(); ++i)
     {
-      if (blindSweep(model, a, vectors) < kBlindTolerance * range.scale())
+      if (blindSweep(model, a, vectors, keep_going) < kBlindTolerance * range.scale())
       {
         break;
       }

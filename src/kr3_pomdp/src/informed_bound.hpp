@@ -16,7 +16,7 @@ using InformedVectors = std::vector<std::vector<std::vector<double>>>;
 /// The fast informed bound, iterated from the bound of the fully observed
 /// model; every iterate is a valid bound, so it may stop at any time.
 ///
-/// @param keep_going  asked between sweeps
+/// @param keep_going  asked often; false ends it with what there is
 /// @param first       where to start; needed where the discount is 1, not used elsewhere
 /// Source: Hauskrecht (2000), Sec. 4.4.
 [[nodiscard]] InformedVectors informedBound(const ObservedModel& model,

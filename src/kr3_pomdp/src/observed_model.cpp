@@ -42,7 +42,27 @@ private:
   std::vector<std::uint32_t> parent_;
 };
 
-std::vector<std::uint32_t> reachableStates(const Model& model)
+/// Asks now and then whether to go on.
+class Poll
+{
+public:
+  explicit Poll(const std::function<bool()>& keep_going) : keep_going_(&keep_going) {}
+  /// @throws Abandoned
+  void operator()()
+  {
+    if (++count_ % kEvery == 0 && *keep_going_ && !(*keep_going_)())
+    {
+      throw Abandoned{};
+    }
+  }
+
+private:
+  static constexpr std::size_t kEvery = 64;
+  const std::function<bool()>* keep_going_;
+  std::size_t count_ = 0;
+};
+
+std::vector<std::uint32_t> reachableStates(const Model& model, Poll& poll)
 {
   std::vector<bool> seen(model.numStates(), false);
   std::vector<std::uint32_t> open;
@@ -56,6 +76,7 @@ std::vector<std::uint32_t> reachableStates(const Model& model)
   }
   for (std::size_t i = 0; i < open.size(); ++i)
   {
+    poll();
     for (std::size_t a = 0; a < model.numActions(); ++a)
     {
       for (const SparseEntry& next : model.transitions(a, open[i]))
@@ -92,7 +113,7 @@ std::vector<std::vector<std::uint32_t>> startSupports(const Model& model)
 
 /// Merges until every class, action and observation leads into one class, and so does every start.
 UnionFind partition(const Model& model, const std::vector<std::uint32_t>& states,
-                    const std::vector<std::vector<std::uint32_t>>& starts)
+                    const std::vector<std::vector<std::uint32_t>>& starts, Poll& poll)
 {
   UnionFind classes(model.numStates());
   std::vector<std::uint32_t> leads_to(model.numStates() * model.numObservations());
@@ -116,6 +137,7 @@ UnionFind partition(const Model& model, const std::vector<std::uint32_t>& states
       std::fill_n(leads_to.begin(), model.numObservations(), kNone);
       for (const std::uint32_t s : start)
       {
+        poll();
         unite(a, s, 0);
       }
     }
@@ -128,6 +150,7 @@ UnionFind partition(const Model& model, const std::vector<std::uint32_t>& states
       std::fill(leads_to.begin(), leads_to.end(), kNone);
       for (const std::uint32_t s : states)
       {
+        poll();
         changed = unite(a, s, classes.find(s)) || changed;
       }
     }
@@ -136,13 +159,15 @@ UnionFind partition(const Model& model, const std::vector<std::uint32_t>& states
 }
 
 /// States that some action leads to.
-std::vector<bool> enteredStates(const Model& model, const std::vector<std::uint32_t>& states)
+std::vector<bool> enteredStates(const Model& model, const std::vector<std::uint32_t>& states,
+                                Poll& poll)
 {
   std::vector<bool> entered(model.numStates(), false);
   for (std::size_t a = 0; a < model.numActions(); ++a)
   {
     for (const std::uint32_t s : states)
     {
+      poll();
       for (const SparseEntry& next : model.transitions(a, s))
       {
         entered[next.index] = true;
@@ -178,11 +203,14 @@ SparseRows rowsOf(const std::vector<JointEntry>& entries, std::size_t num_rows)
 
 }  // namespace
 
-ObservedModel::ObservedModel(const Model& model, bool find_classes) : model_(&model)
+ObservedModel::ObservedModel(const Model& model, bool find_classes,
+                             const std::function<bool()>& keep_going)
+  : model_(&model)
 {
-  const std::vector<std::uint32_t> states = reachableStates(model);
+  Poll poll(keep_going);
+  const std::vector<std::uint32_t> states = reachableStates(model, poll);
   const std::vector<std::vector<std::uint32_t>> supports = startSupports(model);
-  UnionFind unions = partition(model, states, supports);
+  UnionFind unions = partition(model, states, supports, poll);
   if (!find_classes)
   {
     for (const std::uint32_t s : states)
@@ -190,7 +218,7 @@ ObservedModel::ObservedModel(const Model& model, bool find_classes) : model_(&mo
       unions.unite(states.front(), s);
     }
   }
-  std::vector<bool> needed = enteredStates(model, states);
+  std::vector<bool> needed = enteredStates(model, states, poll);
   const auto inOneClass = [&unions](const std::vector<std::uint32_t>& support) {
     return std::all_of(support.begin(), support.end(), [&](std::uint32_t s) {
       return unions.find(s) == unions.find(support.front());
@@ -198,9 +226,10 @@ ObservedModel::ObservedModel(const Model& model, bool find_classes) : model_(&mo
   };
   for (const std::vector<std::uint32_t>& support : supports)
   {
+    const bool is_one_class = inOneClass(support);
     for (const std::uint32_t s : support)
     {
-      needed[s] = needed[s] || inOneClass(support);
+      needed[s] = needed[s] || is_one_class;
     }
   }
   std::vector<std::uint32_t> class_of(model.numStates(), kNone);
@@ -250,6 +279,7 @@ ObservedModel::ObservedModel(const Model& model, bool find_classes) : model_(&mo
       std::vector<std::vector<JointEntry>> entries;  // [branch], by ascending state
       for (std::size_t i = 0; i < state_class.states.size(); ++i)
       {
+        poll();
         const std::uint32_t s = state_class.states[i];
         action.rewards.push_back(model.reward(a, s));
         for (const SparseEntry& next : model.transitions(a, s))

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "kr3_pomdp/model.hpp"
@@ -42,6 +43,11 @@ struct ObservedStart
   std::vector<double> belief;  ///< shape [states of the class]
 };
 
+/// What ObservedModel throws when it is not to be finished.
+struct Abandoned
+{
+};
+
 /// A model as seen from its initial belief: states that cannot be reached are left out, and the
 /// others fall into the finest classes that the robot can always tell apart (its own cell, say). So
 /// what is fully observed is found without being declared, and beliefs and vectors get short. A
@@ -52,7 +58,10 @@ class ObservedModel
 {
 public:
   /// @param find_classes  false: one class for all states, as if the robot always knew nothing
-  explicit ObservedModel(const Model& model, bool find_classes = true);
+  /// @param keep_going    asked often; may be empty
+  /// @throws Abandoned  `keep_going` said no
+  explicit ObservedModel(const Model& model, bool find_classes = true,
+                         const std::function<bool()>& keep_going = {});
 
   [[nodiscard]] const Model& model() const { return *model_; }
   [[nodiscard]] double discount() const { return model_->discount(); }

@@ -16,6 +16,8 @@ namespace kr3::pomdp
 namespace
 {
 
+constexpr std::size_t kBlock = 8;  // rows of values that are filled together
+
 void check(std::size_t num_states, const AlphaVector& vector, std::size_t number)
 {
   const auto fail = [number](const std::string& what) {
@@ -43,7 +45,7 @@ void check(std::size_t num_states, const AlphaVector& vector, std::size_t number
 }  // namespace
 
 Policy::Policy(std::size_t num_states, const std::vector<AlphaVector>& alpha_vectors)
-  : num_states_(num_states), num_alpha_vectors_(alpha_vectors.size()), groups_of_state_(num_states)
+  : num_states_(num_states), num_alpha_vectors_(alpha_vectors.size())
 {
   std::map<std::vector<std::uint32_t>, std::vector<const AlphaVector*>> by_states;
   for (std::size_t i = 0; i < alpha_vectors.size(); ++i)
@@ -69,16 +71,42 @@ Policy::Policy(std::size_t num_states, const std::vector<AlphaVector>& alpha_vec
     for (std::size_t v = 0; v < vectors.size(); ++v)
     {
       group.actions.push_back(static_cast<std::uint32_t>(vectors[v]->action));
-      for (std::size_t s = 0; s < group.states.size(); ++s)
+    }
+    for (std::size_t block = 0; block < group.states.size(); block += kBlock)  // stay in the cache
+    {
+      const std::size_t end = std::min(block + kBlock, group.states.size());
+      for (std::size_t v = 0; v < vectors.size(); ++v)
       {
-        group.values[s * vectors.size() + v] = vectors[v]->values[s];
+        for (std::size_t s = block; s < end; ++s)
+        {
+          group.values[s * vectors.size() + v] = vectors[v]->values[s];
+        }
       }
     }
+    groups_.push_back(std::move(group));
+  }
+  indexGroups();
+}
+
+void Policy::indexGroups()
+{
+  first_group_.assign(num_states_ + 1, 0);
+  for (const Group& group : groups_)
+  {
     for (const std::uint32_t state : group.states)
     {
-      groups_of_state_[state].push_back(static_cast<std::uint32_t>(groups_.size()));
+      ++first_group_[state + 1];
     }
-    groups_.push_back(std::move(group));
+  }
+  std::partial_sum(first_group_.begin(), first_group_.end(), first_group_.begin());
+  groups_of_state_.resize(first_group_.back());
+  std::vector<std::size_t> next(first_group_.begin(), first_group_.end() - 1);
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+  {
+    for (const std::uint32_t state : groups_[g].states)
+    {
+      groups_of_state_[next[state]++] = static_cast<std::uint32_t>(g);
+    }
   }
 }
 
@@ -108,11 +136,8 @@ std::vector<AlphaVector> Policy::alphaVectors() const
 
 std::size_t Policy::sizeInBytes() const
 {
-  std::size_t bytes = sizeof(Policy);
-  for (const std::vector<std::uint32_t>& groups : groups_of_state_)
-  {
-    bytes += sizeof(groups) + groups.size() * sizeof(std::uint32_t);
-  }
+  std::size_t bytes = sizeof(Policy) + first_group_.size() * sizeof(std::size_t) +
+                      groups_of_state_.size() * sizeof(std::uint32_t);
   for (const Group& group : groups_)
   {
     bytes += sizeof(Group) + group.values.size() * sizeof(double) +
@@ -141,12 +166,18 @@ Policy::Choice Policy::bestAt(const Belief& belief) const
   Choice best{0, -std::numeric_limits<double>::infinity()};
   std::vector<double> sums;
   std::vector<std::size_t> places;
-  for (const std::uint32_t g : groups_of_state_[support.front()])
+  const std::size_t last = first_group_[support.front() + 1];
+  for (std::size_t i = first_group_[support.front()]; i < last; ++i)
   {
-    const Group& group = groups_[g];
+    const Group& group = groups_[groups_of_state_[i]];
     places.clear();
-    for (const std::uint32_t s : support)
+    if (group.states.size() == num_states_)
     {
+      places.assign(support.begin(), support.end());
+    }
+    for (std::size_t j = places.size(); j < support.size(); ++j)
+    {
+      const std::uint32_t s = support[j];
       const auto found = std::lower_bound(group.states.begin(), group.states.end(), s);
       if (found == group.states.end() || *found != s)
       {

@@ -47,16 +47,20 @@ SearchStyle styleOf(const SolverParts& parts, std::size_t member, std::size_t nu
 struct SearchTeam::Member
 {
   Member(const ObservedModel& model, InformedVectors informed, const InformedVectors& blind,
-         double precision, const SolverParts& parts, const SearchStyle& style)
-    : source(parts.noise_free_bound ? ExclusionBound::make(model, informed) : nullptr)
+         double precision, const SolverParts& parts, const SearchStyle& style,
+         Supervisor& supervisor)
+    : source(parts.noise_free_bound
+                 ? ExclusionBound::make(model, informed,
+                                        [&supervisor] { return supervisor.mayPrepare(); })
+                 : nullptr)
     , graph(model, std::move(informed), blind, source.get())
     , search(graph, precision, style)
   {
   }
   [[nodiscard]] SearchState state()
   {
-    return {search.lower(), search.upper(), search.backups(), graph.numVectors(),
-            graph.sizeInBytes()};
+    return {search.lower(),     search.upper(),     search.backups(),
+            graph.numVectors(), graph.numEntries(), graph.sizeInBytes()};
   }
 
   std::unique_ptr<UpperBoundSource> source;
@@ -80,11 +84,11 @@ SearchTeam::SearchTeam(const ObservedModel& model, InformedVectors informed,
   for (std::size_t i = 1; i < count; ++i)
   {
     members_.push_back(std::make_unique<Member>(model, informed, blind, limits.precision, parts,
-                                                styleOf(parts, i, count)));
+                                                styleOf(parts, i, count), supervisor));
   }
   members_.insert(members_.begin(),
                   std::make_unique<Member>(model, std::move(informed), blind, limits.precision,
-                                           parts, styleOf(parts, 0, count)));
+                                           parts, styleOf(parts, 0, count), supervisor));
 }
 
 SearchTeam::~SearchTeam() = default;

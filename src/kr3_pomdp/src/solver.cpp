@@ -138,6 +138,79 @@ void keepCorners(InformedVectors& informed)
   }
 }
 
+/// The policy's own bound before anything is seen.
+double startValue(const Model& model, const Policy& policy)
+{
+  double value = 0.0;
+  for (const InitialOutcome& outcome : model.initialOutcomes())
+  {
+    value += outcome.probability * policy.valueAt(outcome.belief);
+  }
+  return value;
+}
+
+/// Asked while a policy is made: yes, but not for long once a run had to stop.
+std::function<bool()> patience(const Supervisor& supervisor)
+{
+  const double end_s = supervisor.elapsedSeconds();
+  return [&supervisor, end_s] {
+    return !supervisor.isUrgent() || supervisor.elapsedSeconds() < end_s + kPatience_s;
+  };
+}
+
+/// What a run gives that was stopped before it knew anything of the model but its rewards.
+SolveResult blindResult(const Model& model, const Supervisor& supervisor)
+{
+  double greatest = -std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < model.numActions(); ++a)
+  {
+    const double* rewards = model.rewards(a);
+    greatest = std::max(greatest, *std::max_element(rewards, rewards + model.numStates()));
+  }
+  Policy policy(model.numStates(), {blindVector(model, patience(supervisor))});
+  const double lower = startValue(model, policy);
+  return {std::move(policy),
+          lower,
+          std::max(lower, greatest / (1.0 - model.discount())),
+          0,
+          supervisor.reason(),
+          supervisor.elapsedSeconds(),
+          supervisor.cpuSeconds(),
+          0};
+}
+
+/// @throws Abandoned  it was stopped before there were bounds; not where the discount is 1
+SolveResult solvePrepared(const Model& model, const SolverLimits& limits, const SolverParts& parts,
+                          Supervisor& supervisor)
+{
+  const auto in_time = [&supervisor] { return supervisor.mayPrepare(); };
+  const ObservedModel observed(
+      model, parts.classes,
+      model.discount() < 1.0 ? std::function<bool()>(in_time) : std::function<bool()>());
+  const std::optional<UndiscountedBounds> first =
+      model.discount() < 1.0 ? std::nullopt
+                             : std::make_optional(undiscountedBounds(observed, in_time));
+  const UndiscountedBounds* start = first ? &*first : nullptr;
+  InformedVectors informed = informedBound(observed, in_time, start);
+  const InformedVectors blind = blindBound(observed, in_time, start);
+  if (!parts.informed_vectors)
+  {
+    keepCorners(informed);
+  }
+  SearchTeam team(observed, std::move(informed), blind, limits, parts, supervisor);
+  team.run();
+  Policy policy = policyOf(team.graph(), first, patience(supervisor));
+  const double lower = startValue(model, policy);
+  return {std::move(policy),
+          lower,
+          std::max(lower, team.upper()),
+          supervisor.backups(),
+          supervisor.reason(),
+          supervisor.elapsedSeconds(),
+          supervisor.cpuSeconds(),
+          team.sizeInBytes()};
+}
+
 }  // namespace
 
 const char* toString(StopReason reason)
@@ -174,37 +247,14 @@ SolveResult solveWith(const Model& model, const SolverLimits& limits, const Solv
         "found no trials, expected sampled ones, ones of the upper bound or both");
   }
   Supervisor supervisor(limits, keep_going);
-  const ObservedModel observed(model, parts.classes);
-  const auto in_time = [&supervisor] { return supervisor.mayPrepare(); };
-  const std::optional<UndiscountedBounds> first =
-      model.discount() < 1.0 ? std::nullopt
-                             : std::make_optional(undiscountedBounds(observed, in_time));
-  const UndiscountedBounds* start = first ? &*first : nullptr;
-  InformedVectors informed = informedBound(observed, in_time, start);
-  const InformedVectors blind = blindBound(observed, in_time, start);
-  if (!parts.informed_vectors)
+  try
   {
-    keepCorners(informed);
+    return solvePrepared(model, limits, parts, supervisor);
   }
-  SearchTeam team(observed, std::move(informed), blind, limits, parts, supervisor);
-  team.run();
-  const double end_s = supervisor.elapsedSeconds();
-  Policy policy = policyOf(team.graph(), first, [&supervisor, end_s] {
-    return !supervisor.isUrgent() || supervisor.elapsedSeconds() < end_s + kPatience_s;
-  });
-  double lower = 0.0;
-  for (const InitialOutcome& outcome : model.initialOutcomes())
+  catch (const Abandoned&)
   {
-    lower += outcome.probability * policy.valueAt(outcome.belief);
+    return blindResult(model, supervisor);
   }
-  return {std::move(policy),
-          lower,
-          std::max(lower, team.upper()),
-          supervisor.backups(),
-          supervisor.reason(),
-          supervisor.elapsedSeconds(),
-          supervisor.cpuSeconds(),
-          team.sizeInBytes()};
 }
 
 }  // namespace kr3::pomdp

@@ -6,6 +6,17 @@
 namespace kr3::pomdp
 {
 
+namespace
+{
+
+constexpr double kLookPeriod_s = 1e-3;
+// What making the policy takes: about so long, but at most a part of the limit.
+constexpr double kFinish_s = 0.005;
+constexpr double kFinishEntry_s = 1e-8;
+constexpr double kMostToFinish = 0.1;
+
+}  // namespace
+
 double threadCpuSeconds()
 {
   timespec now{};
@@ -46,6 +57,8 @@ bool Supervisor::mayGoOn(const SearchState& state)
   {
     return false;
   }
+  finish_s_ = std::min(kMostToFinish * limits_->time_s,
+                       kFinish_s + kFinishEntry_s * static_cast<double>(state.num_entries));
   const double elapsed_s = elapsedSeconds();
   if (upper_ - lower_ <= limits_->precision)
   {
@@ -73,12 +86,17 @@ bool Supervisor::mayGoOn(const SearchState& state)
 
 bool Supervisor::mayPrepare()
 {
-  if (!stopped_ && isTimeUp())
+  const double now_s = elapsedSeconds();
+  if (stopped_ || now_s < next_look_s_)
+  {
+    return !stopped_;
+  }
+  next_look_s_ = now_s + kLookPeriod_s;
+  if (isTimeUp())
   {
     stop(StopReason::kTimeLimit);
   }
-  if (!stopped_ && *keep_going_ &&
-      !(*keep_going_)({lower_, upper_, backups_, 0, elapsedSeconds(), 0}))
+  if (!stopped_ && *keep_going_ && !(*keep_going_)({lower_, upper_, backups_, 0, now_s, 0}))
   {
     stop(StopReason::kCancelled);
   }

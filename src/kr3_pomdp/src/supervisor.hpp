@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -17,6 +18,7 @@ struct SearchState
   double upper;  ///< at the start
   std::uint64_t backups;
   std::size_t num_vectors;
+  std::size_t num_entries;  ///< of all vectors together
   std::size_t memory_bytes;
 };
 
@@ -37,10 +39,10 @@ public:
   [[nodiscard]] std::uint64_t backups() const { return backups_; }
   /// Of another thread.
   void countCpuSeconds(double cpu_s) { others_cpu_s_ += cpu_s; }
-  /// Whether the time is up; safe to ask from any thread.
+  /// Whether the time is up, but for what it takes to make the policy; safe to ask from any thread.
   [[nodiscard]] bool isTimeUp() const
   {
-    return limits_->time_s > 0.0 && elapsedSeconds() >= limits_->time_s;
+    return limits_->time_s > 0.0 && elapsedSeconds() + finish_s_ >= limits_->time_s;
   }
   /// Whether it stopped for what cannot wait: the time is up, or the caller said no.
   [[nodiscard]] bool isUrgent() const
@@ -50,7 +52,8 @@ public:
 
   /// Reports, and says whether work may go on.
   bool mayGoOn(const SearchState& state);
-  /// Before there are bounds: time and the callback count.
+  /// Before there are bounds: time and the callback count. To be asked often: it looks about once a
+  /// millisecond.
   bool mayPrepare();
 
 private:
@@ -62,6 +65,8 @@ private:
   Clock::time_point start_;
   double cpu_start_s_;
   double others_cpu_s_ = 0.0;
+  double next_look_s_ = 0.0;
+  std::atomic<double> finish_s_{0.0};
   std::uint64_t backups_ = 0;
   double lower_ = -std::numeric_limits<double>::infinity();
   double upper_ = std::numeric_limits<double>::infinity();

@@ -28,7 +28,7 @@ public:
   explicit Bound(const Model& model, std::size_t most_values = 17)
     : observed_(model)
     , informed_(informedBound(observed_, [] { return true; }))
-    , bound_(ExclusionBound::make(observed_, informed_, most_values))
+    , bound_(ExclusionBound::make(observed_, informed_, {}, most_values))
   {
     while (bound_ && !bound_->finished())
     {

@@ -217,5 +217,25 @@ TEST(Solver, OneStateIsSolvedExactly)
   EXPECT_EQ(result.policy.actionAt(Belief({1.0})), 1U);
 }
 
+TEST(Solver, GivesASoundPolicyHoweverEarlyItIsStopped)
+{
+  const Model model = test::roomSearch(4);
+  for (int looks = 0; looks < 12; ++looks)
+  {
+    SolverLimits limits;
+    int asked = 0;
+    const SolveResult result =
+        solve(model, limits, [&](const SolverProgress&) { return asked++ < looks; });
+    EXPECT_EQ(result.reason, StopReason::kCancelled);
+    EXPECT_LE(result.lower, 26.5);  // near the optimum
+    EXPECT_GE(result.upper, 26.0);
+    EXPECT_NEAR(result.policy.valueAt(model.initialBelief()), result.lower, 1e-9);
+    EvaluationLimits trials;
+    trials.trials = 200;
+    const Evaluation value = evaluate(model, result.policy, trials, 1);
+    EXPECT_GE(value.mean + 4.0 * value.standard_error + 1e-6, result.lower);
+  }
+}
+
 }  // namespace
 }  // namespace kr3::pomdp

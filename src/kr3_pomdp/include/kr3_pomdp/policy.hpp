@@ -70,6 +70,8 @@ public:
   [[nodiscard]] static Policy read(std::istream& in, const std::string& name);
 
 private:
+  void indexGroups();
+
   /// Vectors over the same states.
   struct Group
   {
@@ -82,7 +84,9 @@ private:
   std::size_t num_alpha_vectors_;
   std::size_t max_action_ = 0;
   std::vector<Group> groups_;
-  std::vector<std::vector<std::uint32_t>> groups_of_state_;
+  // The groups that hold state s: groups_of_state_[first_group_[s]] up to first_group_[s + 1].
+  std::vector<std::size_t> first_group_;  // shape [num_states + 1]
+  std::vector<std::uint32_t> groups_of_state_;
 };
 
 }  // namespace kr3::pomdp
