@@ -27,7 +27,7 @@ struct Variant
 
 std::vector<Variant> variants()
 {
-  std::vector<Variant> result(6);
+  std::vector<Variant> result(7);
   result[0].without = "nothing";
   result[1].without = "noise-free bound";
   result[1].parts.noise_free_bound = false;
@@ -39,6 +39,8 @@ std::vector<Variant> variants()
   result[4].parts.informed_vectors = false;
   result[5].without = "classes";
   result[5].parts.classes = false;
+  result[6].without = "belief grid";
+  result[6].parts.belief_grid = false;
   return result;
 }
 

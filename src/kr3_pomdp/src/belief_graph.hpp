@@ -78,6 +78,9 @@ public:
   [[nodiscard]] const std::vector<VectorSet>& vectors() const { return vectors_; }
   [[nodiscard]] const ObservedModel& model() const { return *model_; }
   [[nodiscard]] UpperBoundSource* source() const { return source_; }
+  /// Upper bounds of doing each action first, at the corners: shape [classes][actions][states,
+  /// padded].
+  [[nodiscard]] const InformedVectors& informed() const { return informed_; }
   /// Memory held: nodes, outcomes, beliefs and their index, vectors, points.
   [[nodiscard]] std::size_t sizeInBytes() const;
 
@@ -91,6 +94,8 @@ public:
   double lower(NodeId node);
   /// Least known upper bound of the belief's value; never rises.
   double upper(NodeId node);
+  /// The upper bound as it was brought up to date last.
+  [[nodiscard]] double knownUpper(NodeId node) const { return nodes_[node].upper; }
   /// Takes a true upper bound from elsewhere; a new point if it is lower than what is known.
   void tighten(NodeId node, double upper);
 
@@ -130,6 +135,8 @@ public:
   void take(const Findings& findings);
   /// Counted work so far: the same in every run, and about as long for the same count.
   [[nodiscard]] std::uint64_t work() const { return work_; }
+  /// Counts work that was done elsewhere for this graph.
+  void countWork(std::uint64_t work) { work_ += work; }
 
 private:
   static constexpr std::uint32_t kNone = 0xffffffff;

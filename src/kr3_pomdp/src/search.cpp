@@ -19,8 +19,8 @@ constexpr double kLeastGap = 0.01;     // of the root's gap
 
 }  // namespace
 
-Search::Search(BeliefGraph& graph, double precision, const SearchStyle& style)
-  : graph_(&graph), precision_(precision), style_(style), random_(style.seed)
+Search::Search(BeliefGraph& graph, BeliefGrid* grid, double precision, const SearchStyle& style)
+  : graph_(&graph), grid_(grid), precision_(precision), style_(style), random_(style.seed)
 {
 }
 
@@ -54,14 +54,27 @@ bool Search::isSourceDue() const
 
 void Search::step()
 {
+  if (path_.empty() && isSourceDue())
+  {
+    graph_->source()->advance();
+    ++source_work_;
+    return;
+  }
+  if (grid_ != nullptr && path_.empty() && (grid_->isInRound() || split_.gridIsDue()))
+  {
+    gridStep();
+    return;
+  }
+  const double gap = upper() - lower();
+  const std::uint64_t work = graph_->work();
+  trialStep();
+  split_.addTrial(graph_->work() - work, gap - (upper() - lower()));
+}
+
+void Search::trialStep()
+{
   if (path_.empty())
   {
-    if (isSourceDue())
-    {
-      graph_->source()->advance();
-      ++source_work_;
-      return;
-    }
     sampled_due_ += style_.sampled_share;
     if (sampled_due_ >= 1.0)
     {
@@ -78,6 +91,26 @@ void Search::step()
     graph_->backUp(path_.back(), width_);
     path_.pop_back();
     ++backups_;
+  }
+}
+
+void Search::gridStep()
+{
+  if (!grid_->isInRound())
+  {
+    gap_before_ = upper() - lower();
+    round_work_ = 0;
+  }
+  const std::uint64_t work = graph_->work();
+  const std::uint64_t grid_work = grid_->work();
+  const std::uint64_t backups = grid_->backups();
+  grid_->step();
+  graph_->countWork((grid_->work() - grid_work) / BeliefGrid::kOperationsPerWork);
+  backups_ += grid_->backups() - backups;
+  round_work_ += graph_->work() - work;
+  if (!grid_->isInRound())
+  {
+    split_.addRound(round_work_, gap_before_ - (upper() - lower()), !grid_->isExhausted());
   }
 }
 

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "belief_graph.hpp"
+#include "belief_grid.hpp"
+#include "work_split.hpp"
 
 namespace kr3::pomdp
 {
@@ -28,12 +30,13 @@ struct SearchStyle
 class Search
 {
 public:
-  /// The graph outlives this object.
+  /// The graph and the grid outlive this object.
+  /// @param grid       over the graph, or null; its rounds come between walks as often as they pay
   /// @param precision  gap at the start that is small enough
-  Search(BeliefGraph& graph, double precision, const SearchStyle& style);
+  Search(BeliefGraph& graph, BeliefGrid* grid, double precision, const SearchStyle& style);
 
-  /// One backup, or a piece of work on the graph's source of bounds. May do nothing when the gap is
-  /// closed or a sampled walk ends at once.
+  /// One backup, or a piece of work on the grid or the graph's source of bounds. May do nothing
+  /// when the gap is closed or a sampled walk ends at once.
   void step();
 
   [[nodiscard]] std::uint64_t backups() const { return backups_; }
@@ -48,6 +51,8 @@ private:
   NodeId widestRoot();
   NodeId sampledRoot();
   NodeId widestChild(NodeId node, std::size_t action, double allowed, bool draw);
+  void trialStep();
+  void gridStep();
   void upperTrial();
   void sampledTrial();
   std::size_t anyUseful(NodeId node);
@@ -55,6 +60,7 @@ private:
   double uniform();
 
   BeliefGraph* graph_;
+  BeliefGrid* grid_;
   double precision_;
   SearchStyle style_;
   std::vector<NodeId> path_;  // still to be backed up, the last first
@@ -62,6 +68,9 @@ private:
   std::uint64_t backups_ = 0;
   double sampled_due_ = 0.0;       // trials
   std::uint64_t source_work_ = 0;  // pieces
+  WorkSplit split_;
+  double gap_before_ = 0.0;       // the round of the grid under way
+  std::uint64_t round_work_ = 0;  // of the round so far
   std::mt19937_64 random_;
 };
 

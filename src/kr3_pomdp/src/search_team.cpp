@@ -48,23 +48,31 @@ struct SearchTeam::Member
 {
   Member(const ObservedModel& model, InformedVectors informed, const InformedVectors& blind,
          double precision, const SolverParts& parts, const SearchStyle& style,
-         Supervisor& supervisor)
+         Supervisor& supervisor, bool with_grid)
     : source(parts.noise_free_bound
                  ? ExclusionBound::make(model, informed,
                                         [&supervisor] { return supervisor.mayPrepare(); })
                  : nullptr)
     , graph(model, std::move(informed), blind, source.get())
-    , search(graph, precision, style)
+    , grid(with_grid ? std::make_unique<BeliefGrid>(
+                           graph, [&supervisor] { return supervisor.mayPrepare(); })
+                     : nullptr)
+    , search(graph, grid.get(), precision, style)
   {
   }
   [[nodiscard]] SearchState state()
   {
     return {search.lower(),     search.upper(),     search.backups(),
-            graph.numVectors(), graph.numEntries(), graph.sizeInBytes()};
+            graph.numVectors(), graph.numEntries(), sizeInBytes()};
+  }
+  [[nodiscard]] std::size_t sizeInBytes() const
+  {
+    return graph.sizeInBytes() + (grid == nullptr ? 0 : grid->sizeInBytes());
   }
 
   std::unique_ptr<UpperBoundSource> source;
   BeliefGraph graph;
+  std::unique_ptr<BeliefGrid> grid;
   Search search;
   // Written by its own thread before the barrier, read by others after it.
   Findings findings;
@@ -84,11 +92,11 @@ SearchTeam::SearchTeam(const ObservedModel& model, InformedVectors informed,
   for (std::size_t i = 1; i < count; ++i)
   {
     members_.push_back(std::make_unique<Member>(model, informed, blind, limits.precision, parts,
-                                                styleOf(parts, i, count), supervisor));
+                                                styleOf(parts, i, count), supervisor, false));
   }
-  members_.insert(members_.begin(),
-                  std::make_unique<Member>(model, std::move(informed), blind, limits.precision,
-                                           parts, styleOf(parts, 0, count), supervisor));
+  members_.insert(members_.begin(), std::make_unique<Member>(
+                                        model, std::move(informed), blind, limits.precision, parts,
+                                        styleOf(parts, 0, count), supervisor, parts.belief_grid));
 }
 
 SearchTeam::~SearchTeam() = default;
@@ -181,7 +189,7 @@ private:
     }
     const std::size_t share = team_->limits_->max_memory_bytes / team_->members_.size();
     return member.search.upper() - member.search.lower() > team_->limits_->precision &&
-           (share == 0 || member.graph.sizeInBytes() < share);
+           (share == 0 || member.sizeInBytes() < share);
   }
 
   /// How far all are, when one is at `state` and the others where they were before the round.
@@ -278,7 +286,7 @@ std::size_t SearchTeam::sizeInBytes() const
   std::size_t bytes = 0;
   for (const std::unique_ptr<Member>& member : members_)
   {
-    bytes += member->graph.sizeInBytes();
+    bytes += member->sizeInBytes();
   }
   return bytes;
 }

@@ -12,6 +12,7 @@ struct SolverParts
   bool classes = true;           ///< what the robot always knows is found, and splits the states
   bool informed_vectors = true;  ///< the upper bound starts from vectors, not from corner values
   bool noise_free_bound = true;  ///< upper bounds of searches, from sensors without noise
+  bool belief_grid = true;       ///< value iteration over a grid of beliefs, for upper bounds
   bool sampled_trials = true;    ///< trials that follow the policy found so far
   bool upper_trials = true;      ///< trials that follow the upper bound
 };

@@ -51,6 +51,8 @@ void Supervisor::stop(StopReason reason)
 bool Supervisor::mayGoOn(const SearchState& state)
 {
   backups_ = state.backups;
+  num_vectors_ = state.num_vectors;
+  memory_bytes_ = state.memory_bytes;
   lower_ = std::max(lower_, state.lower);
   upper_ = std::max(lower_, std::min(upper_, state.upper));
   if (stopped_)
@@ -96,7 +98,8 @@ bool Supervisor::mayPrepare()
   {
     stop(StopReason::kTimeLimit);
   }
-  if (!stopped_ && *keep_going_ && !(*keep_going_)({lower_, upper_, backups_, 0, now_s, 0}))
+  if (!stopped_ && *keep_going_ &&
+      !(*keep_going_)({lower_, upper_, backups_, num_vectors_, now_s, memory_bytes_}))
   {
     stop(StopReason::kCancelled);
   }

@@ -52,8 +52,8 @@ public:
 
   /// Reports, and says whether work may go on.
   bool mayGoOn(const SearchState& state);
-  /// Before there are bounds: time and the callback count. To be asked often: it looks about once a
-  /// millisecond.
+  /// Before there are bounds, or within a piece of a search: time and the callback count. To be
+  /// asked often: it looks about once a millisecond.
   bool mayPrepare();
 
 private:
@@ -68,6 +68,8 @@ private:
   double next_look_s_ = 0.0;
   std::atomic<double> finish_s_{0.0};
   std::uint64_t backups_ = 0;
+  std::size_t num_vectors_ = 0;
+  std::size_t memory_bytes_ = 0;
   double lower_ = -std::numeric_limits<double>::infinity();
   double upper_ = std::numeric_limits<double>::infinity();
   bool stopped_ = false;

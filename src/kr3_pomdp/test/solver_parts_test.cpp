@@ -50,7 +50,7 @@ TEST_P(EachPartLeftOut, StillSolvesTheTiger)
 
 INSTANTIATE_TEST_SUITE_P(All, EachPartLeftOut,
                          testing::Values(&SolverParts::classes, &SolverParts::informed_vectors,
-                                         &SolverParts::noise_free_bound,
+                                         &SolverParts::noise_free_bound, &SolverParts::belief_grid,
                                          &SolverParts::sampled_trials, &SolverParts::upper_trials));
 
 TEST(SolverParts, SearchOfARoomNeedsTheNoiseFreeBound)
