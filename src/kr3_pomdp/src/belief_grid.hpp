@@ -34,7 +34,7 @@ public:
   /// Little is done, and no memory used, before the first step.
   /// @param graph  gives beliefs, outcomes, lower bounds and upper bounds of each action at the
   ///               corners, and is given upper bounds; outlives this object
-  /// @param keep_going  asked every fraction of a millisecond while a step lasts; if it says no,
+  /// @param keep_going  asked about once a millisecond while a step lasts; if it says no,
   ///                    the step ends early
   BeliefGrid(BeliefGraph& graph, std::function<bool()> keep_going);
 
