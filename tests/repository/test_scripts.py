@@ -38,7 +38,14 @@ def test_help_lists_every_command_within_a_second():
 
 
 @pytest.mark.parametrize(
-    "arguments", [["nonsense"], ["build", "--nonsense"], ["test", "--nonsense"]]
+    "arguments",
+    [
+        ["nonsense"],
+        ["build", "--nonsense"],
+        ["test", "--nonsense"],
+        ["fuzz", "nonsense"],
+        ["fuzz", "pomdp", "--nonsense"],
+    ],
 )
 def test_what_is_unknown_is_refused(arguments):
     result, _ = kr3(*arguments)

@@ -67,6 +67,7 @@ private:
 // A short description can ask for any amount of memory and time.
 constexpr std::size_t kMaxRows = std::size_t{1} << 27;
 constexpr std::size_t kMaxEntries = std::size_t{1} << 31;
+constexpr std::size_t kMaxRewardTerms = std::size_t{1} << 31;
 
 void checkCount(std::size_t count, std::size_t limit, const char* what)
 {
@@ -217,9 +218,25 @@ private:
     return rows.take();
   }
 
+  /// The terms of the expectation of one reward over next states, and over observations.
+  [[nodiscard]] std::size_t numRewardTerms(const ModelParts& parts, bool on_observation) const
+  {
+    std::size_t num_terms = 0;
+    for (std::size_t row = 0; row < parts.transitions.numRows(); ++row)
+    {
+      const std::size_t first = row - row % states_.count();  // of the action
+      for (const SparseEntry& next : parts.transitions.row(row))
+      {
+        num_terms += on_observation ? parts.observation_rows.row(first + next.index).size() : 1;
+      }
+    }
+    return num_terms;
+  }
+
   void addRewards(ModelParts& parts)
   {
     parts.rewards.assign(actions_.count() * states_.count(), 0.0);
+    std::size_t num_terms = 0;
     for (const Factor& factor : model_.rewards)
     {
       if (!factor.of.empty() || factor.values.size() != model_.sizeOf(factor))
@@ -234,6 +251,8 @@ private:
       };
       const bool on_observation = depends(VariableRole::kObservation);
       const bool on_next = on_observation || depends(VariableRole::kCurrent);
+      num_terms += on_next ? numRewardTerms(parts, on_observation) : 0;
+      checkCount(num_terms, kMaxRewardTerms, "terms of expected rewards");
       const auto value = [&] { return table.value(table.row(assignment_)); };
       Walk actions(model_, model_.actions, VariableRole::kAction, assignment_);
       Walk states(model_, model_.state, VariableRole::kPrevious, assignment_);

@@ -12,6 +12,9 @@ namespace kr3::pomdp
 namespace
 {
 
+// A short text with wildcards can ask for any amount of time.
+constexpr std::size_t kMaxRewardTerms = std::size_t{1} << 31;
+
 struct Range
 {
   std::size_t first;
@@ -266,6 +269,33 @@ void ModelBuilder::setReward(std::size_t action, std::size_t state, std::size_t 
   rewards_[mask][key] = {++num_reward_rules_, value};
 }
 
+namespace
+{
+
+/// Of the expectations of rewards over next states and observations.
+/// @throws ResourceExhausted  too many terms
+void checkRewardTerms(std::size_t num_states,
+                      const std::vector<std::vector<SparseEntry>>& transitions,
+                      const std::vector<std::vector<SparseEntry>>& observations)
+{
+  std::size_t num_terms = 0;
+  for (std::size_t row = 0; row < transitions.size(); ++row)
+  {
+    const std::size_t first = row - row % num_states;  // of the action
+    for (const SparseEntry& next : transitions[row])
+    {
+      num_terms += observations[first + next.index].size();
+    }
+  }
+  if (num_terms > kMaxRewardTerms)
+  {
+    throw ResourceExhausted("expected rewards of " + std::to_string(num_terms) +
+                            " terms, expected at most " + std::to_string(kMaxRewardTerms));
+  }
+}
+
+}  // namespace
+
 std::vector<double> ModelBuilder::expectedRewards(const Rows& transitions,
                                                   const Rows& observations) const
 {
@@ -296,6 +326,10 @@ std::vector<double> ModelBuilder::expectedRewards(const Rows& transitions,
     }
     return latest.value;
   };
+  if (depends_on_observation)
+  {
+    checkRewardTerms(states_.size(), transitions, observations);
+  }
   std::vector<double> expected(actions_.size() * states_.size(), 0.0);
   for (std::size_t a = 0; a < actions_.size(); ++a)
   {

@@ -64,7 +64,7 @@ void checkSize(const FactoredModel& model, const ReadOptions& options)
 
 Model readFactored(std::istringstream& in, const std::string& name, const ReadOptions& options)
 {
-  const FactoredModel factored = readPomdpx(in, name);
+  const FactoredModel factored = readPomdpx(in, name, options);
   checkSize(factored, options);
   if (options.keep_going && !options.keep_going())
   {

@@ -203,6 +203,10 @@ SolvedModel readBundle(std::istream& in, const std::string& name, std::size_t ma
                  solved.search_memory_bytes);
   solved.reason = reasonNamed(reader.value("reason"), reader);
   ModelText model_text{reader.value("format"), ""};
+  if (model_text.format != "pomdp" && model_text.format != "pomdpx")
+  {
+    reader.fail("found the format '" + model_text.format + "', expected 'pomdp' or 'pomdpx'");
+  }
   model_text.text = reader.block("model");
   const std::string policy_text = reader.block("policy");
   Model model = readModel(model_text, name + " (model)", options);
@@ -214,8 +218,14 @@ SolvedModel readBundle(std::istream& in, const std::string& name, std::size_t ma
     std::istringstream policy_in(policy_text);
     policy = Policy::read(policy_in, name + " (policy)");
   }
-  // Checks that they fit.
-  solved.policy = std::move(unsolvedModel(solved.source, std::move(policy)).policy);
+  try  // to see that they fit
+  {
+    solved.policy = std::move(unsolvedModel(solved.source, std::move(policy)).policy);
+  }
+  catch (const InvalidArgument& e)
+  {
+    reader.fail(e.what());
+  }
   return solved;
 }
 

@@ -95,10 +95,10 @@ void PomdpParser::transition()
   }
   else if (acceptWord("identity"))
   {
-    builder_->setTransition(action, kAny, kAny, 0.0);
+    set(true, action, kAny, kAny, 0.0);
     for (std::size_t s = 0; s < num_states; ++s)
     {
-      builder_->setTransition(action, s, s, 1.0);
+      set(true, action, s, s, 1.0);
     }
   }
   else if (atWord("uniform") || atWord("reset"))
@@ -137,10 +137,10 @@ void PomdpParser::observation()
   else if (atWord("identity") && builder_->observations().size() == num_states)
   {
     lexer_.take();
-    builder_->setObservation(action, kAny, kAny, 0.0);
+    set(false, action, kAny, kAny, 0.0);
     for (std::size_t s = 0; s < num_states; ++s)
     {
-      builder_->setObservation(action, s, s, 1.0);
+      set(false, action, s, s, 1.0);
     }
   }
   else if (atWord("uniform"))

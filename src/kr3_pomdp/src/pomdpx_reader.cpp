@@ -103,6 +103,7 @@ Variable PomdpxReader::variable(const pugi::xml_node& element, const char* name_
       text_.fail(count, words.size() == 1 ? quoted(words.front().text) : "no single word",
                  "a number of values from 1 to " + std::to_string(kMaxValues));
     }
+    checkCount(count, static_cast<std::size_t>(number));
     for (std::size_t i = 0; i < static_cast<std::size_t>(number); ++i)
     {
       result.values.push_back(prefix + std::to_string(i));
@@ -118,11 +119,22 @@ Variable PomdpxReader::variable(const pugi::xml_node& element, const char* name_
     }
     result.values.emplace_back(word.text);
   }
+  checkCount(element, result.values.size());
   if (result.values.empty())
   {
     text_.fail(element, "no values", "the values of " + quoted(result.name));
   }
   return result;
+}
+
+void PomdpxReader::checkCount(const pugi::xml_node& element, std::size_t num_values) const
+{
+  if (options_.max_names != 0 && num_values > options_.max_names)
+  {
+    text_.failTooLarge(element, "found a variable of " + std::to_string(num_values) +
+                                    " values, expected at most " +
+                                    std::to_string(options_.max_names));
+  }
 }
 
 void PomdpxReader::variables(const pugi::xml_node& element)
@@ -200,6 +212,10 @@ std::vector<Factor> PomdpxReader::factors(const pugi::xml_node& section, bool re
     {
       continue;
     }
+    if (options_.keep_going && !options_.keep_going())
+    {
+      throw Cancelled("reading the model was cancelled");
+    }
     if (std::strcmp(child.name(), kind) != 0)
     {
       text_.fail(child, std::string("<") + child.name() + ">", std::string("<") + kind + ">");
@@ -239,15 +255,17 @@ std::vector<Factor> PomdpxReader::factors(const pugi::xml_node& section, bool re
 
 void PomdpxReader::allocate(Factor& factor, const pugi::xml_node& element)
 {
+  const std::size_t most =
+      options_.max_entries == 0 ? kMaxEntries : std::min(options_.max_entries, kMaxEntries);
   std::size_t size = 1;
   for (const std::vector<VariableRef>* refs : {&factor.parents, &factor.of})
   {
     for (const VariableRef& ref : *refs)
     {
       size *= model_.variable(ref).values.size();
-      if (size > kMaxEntries - num_entries_)
+      if (size > most - num_entries_)
       {
-        text_.failTooLarge(element, "found tables of more than " + std::to_string(kMaxEntries) +
+        text_.failTooLarge(element, "found tables of more than " + std::to_string(most) +
                                         " entries, expected a model in smaller factors");
       }
     }
@@ -268,9 +286,9 @@ void PomdpxReader::checkSums(const Factor& factor, const pugi::xml_node& element
   }
 }
 
-FactoredModel readPomdpx(std::istream& in, const std::string& name)
+FactoredModel readPomdpx(std::istream& in, const std::string& name, const ReadOptions& options)
 {
-  return PomdpxReader(readAll(in, name), name).read();
+  return PomdpxReader(readAll(in, name), name, options).read();
 }
 
 FactoredModel loadPomdpx(const std::string& path)

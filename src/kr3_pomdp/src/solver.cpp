@@ -213,24 +213,6 @@ SolveResult solvePrepared(const Model& model, const SolverLimits& limits, const 
 
 }  // namespace
 
-const char* toString(StopReason reason)
-{
-  switch (reason)
-  {
-    case StopReason::kPrecision:
-      return "precision";
-    case StopReason::kTimeLimit:
-      return "time limit";
-    case StopReason::kBackupLimit:
-      return "backup limit";
-    case StopReason::kCancelled:
-      return "cancelled";
-    case StopReason::kMemoryLimit:
-      return "memory limit";
-  }
-  return "unknown";
-}
-
 SolveResult solve(const Model& model, const SolverLimits& limits,
                   const ProgressCallback& keep_going)
 {

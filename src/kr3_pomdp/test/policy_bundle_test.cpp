@@ -107,12 +107,22 @@ TEST(PolicyBundle, WhatIsDamagedIsRefused)
   EXPECT_EQ(errorOf(rehashed("reason precision", "reason whim")),
             "b: found the reason 'whim', expected one of the solver's");
   EXPECT_EQ(errorOf(rehashed("format pomdp", "format text")),
-            "format 'text', expected 'pomdp' or 'pomdpx'");
+            "b: found the format 'text', expected 'pomdp' or 'pomdpx'");
   EXPECT_NE(errorOf(rehashed("discount: ", "discount; ")).find("b (model):1:1:"),
             std::string::npos);
   EXPECT_NE(errorOf(rehashed("model ", "model 99")).find("cut short"), std::string::npos);
   EXPECT_NE(errorOf(rehashed("\nstates 2\n", "\nstates 3\n")).find("b (policy)"),
             std::string::npos);
+}
+
+TEST(PolicyBundle, APolicyThatDoesNotFitIsRefused)
+{
+  const Policy policy(2, {{0, {}, {-7.0, -7.0}}});
+  std::string body = bundleOf(unsolvedModel(tiger(), policy));
+  body.erase(0, body.find("limits"));
+  body.replace(body.find("0 0 -7 -7"), 1, "9");
+  EXPECT_EQ(errorOf("kr3_policy_bundle 1\nhash " + contentHash(body) + "\n" + body),
+            "b: a policy over 2 states with actions up to 9, the model has 2 states and 3 actions");
 }
 
 }  // namespace

@@ -79,10 +79,9 @@ struct FactoredModel
   /// @param sum_tolerance  how far from 1 the probabilities given one combination of parents may
   ///                       sum; they are normalised
   /// @throws InvalidArgument    a factor of the wrong shape, with an entry that is no probability
-  /// or
-  ///                            a sum that is off, a variable without a factor or with two, or a
-  ///                            circle among kCurrent variables; ResourceExhausted  more than 2^24
-  ///                            states
+  ///                            or a sum that is off, a variable without a factor or with two, or
+  ///                            a circle among kCurrent variables; ResourceExhausted  more than
+  ///                            2^24 states, 2^31 entries or 2^31 terms of expected rewards
   [[nodiscard]] Model flattened(double sum_tolerance = 1e-6) const;
 };
 

@@ -69,7 +69,8 @@ public:
   ///
   /// @param sum_tolerance  how far from 1 a row of T or O may sum
   /// @throws InvalidArgument  a row of T or O off by more, an initial belief off by more than 1e-6,
-  ///                          or an entry outside [0, 1]; the message names the row
+  ///                          or an entry outside [0, 1]; the message names the row;
+  ///                          ResourceExhausted  expected rewards of more than 2^31 terms
   [[nodiscard]] Model build(double sum_tolerance = 1e-6) const;
 
 private:

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "kr3_pomdp/factored_model.hpp"
+#include "kr3_pomdp/read_options.hpp"
 
 namespace kr3::pomdp
 {
@@ -14,13 +15,16 @@ namespace kr3::pomdp
 /// A text may be several times in a file (`*` for all values, `-` for each in turn): what is given
 /// later replaces what was given before; what is not given is 0.
 ///
-/// @param name  of the input, for messages
+/// @param name     of the input, for messages
+/// @param options  max_names is for the values of one variable, max_rows is not used
 /// @throws InvalidArgument    malformed; the message begins `name:line:column:` and says what was
 ///                            found and what was expected
-/// @throws ResourceExhausted  a table is too large
+/// @throws ResourceExhausted  larger than the options allow, or a table is too large; Cancelled
+///                            they said no
 /// Source: "PomdpX File Format (version 1.0)", documentation of APPL, National University of
 /// Singapore.
-[[nodiscard]] FactoredModel readPomdpx(std::istream& in, const std::string& name);
+[[nodiscard]] FactoredModel readPomdpx(std::istream& in, const std::string& name,
+                                       const ReadOptions& options = {});
 
 /// @throws Unavailable      the file cannot be opened or read
 /// @throws InvalidArgument  as above
