@@ -10,7 +10,7 @@ namespace
 
 constexpr std::size_t kMaxDepth = 2000;
 constexpr double kTrialTarget = 0.5;   // of the root's gap
-constexpr double kSourceShare = 0.5;   // pieces of work on the graph's source for each backup
+constexpr double kSourceShare = 0.25;  // pieces of work on the graph's source for each backup
 constexpr double kOptimistic = 0.25;   // probability
 constexpr double kExploration = 0.1;   // probability
 constexpr double kThorough = 0.25;     // probability that a sampled trial tries all actions
@@ -19,8 +19,14 @@ constexpr double kLeastGap = 0.01;     // of the root's gap
 
 }  // namespace
 
-Search::Search(BeliefGraph& graph, BeliefGrid* grid, double precision, const SearchStyle& style)
-  : graph_(&graph), grid_(grid), precision_(precision), style_(style), random_(style.seed)
+Search::Search(BeliefGraph& graph, BeliefGrid* grid, double precision, const SearchStyle& style,
+               const Supervisor& supervisor)
+  : graph_(&graph)
+  , grid_(grid)
+  , precision_(precision)
+  , style_(style)
+  , supervisor_(&supervisor)
+  , random_(style.seed)
 {
 }
 
@@ -157,7 +163,8 @@ void Search::upperTrial()
   const double root_gap = graph_->upper(node) - graph_->lower(node);
   double allowed = std::max(precision_ * kTrialTarget, root_gap * kTrialTarget);
   width_ = BeliefGraph::Width::kExpanded;
-  while (path_.size() < kMaxDepth && graph_->upper(node) - graph_->lower(node) > allowed)
+  while (path_.size() < kMaxDepth && !supervisor_->isTimeUp() &&
+         graph_->upper(node) - graph_->lower(node) > allowed)
   {
     path_.push_back(node);
     allowed /= graph_->model().discount();
@@ -206,7 +213,7 @@ void Search::sampledTrial()
   const bool optimistic = uniform() < kOptimistic;
   width_ = uniform() < kThorough ? BeliefGraph::Width::kAll : BeliefGraph::Width::kExpanded;
   double weight = 1.0;
-  while (path_.size() < kMaxDepth && weight > kLeastWeight &&
+  while (path_.size() < kMaxDepth && !supervisor_->isTimeUp() && weight > kLeastWeight &&
          weight * (graph_->upper(node) - graph_->lower(node)) > kLeastGap * root_gap)
   {
     path_.push_back(node);

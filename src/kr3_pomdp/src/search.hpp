@@ -7,6 +7,7 @@
 
 #include "belief_graph.hpp"
 #include "belief_grid.hpp"
+#include "supervisor.hpp"
 #include "work_split.hpp"
 
 namespace kr3::pomdp
@@ -30,10 +31,12 @@ struct SearchStyle
 class Search
 {
 public:
-  /// The graph and the grid outlive this object.
+  /// The graph, the grid and the supervisor outlive this object. The supervisor is asked for the
+  /// time only: a walk ends where it is up.
   /// @param grid       over the graph, or null; its rounds come between walks as often as they pay
   /// @param precision  gap at the start that is small enough
-  Search(BeliefGraph& graph, BeliefGrid* grid, double precision, const SearchStyle& style);
+  Search(BeliefGraph& graph, BeliefGrid* grid, double precision, const SearchStyle& style,
+         const Supervisor& supervisor);
 
   /// One backup, or a piece of work on the grid or the graph's source of bounds. May do nothing
   /// when the gap is closed or a sampled walk ends at once.
@@ -63,6 +66,7 @@ private:
   BeliefGrid* grid_;
   double precision_;
   SearchStyle style_;
+  const Supervisor* supervisor_;
   std::vector<NodeId> path_;  // still to be backed up, the last first
   BeliefGraph::Width width_ = BeliefGraph::Width::kExpanded;
   std::uint64_t backups_ = 0;

@@ -57,7 +57,7 @@ struct SearchTeam::Member
     , grid(with_grid ? std::make_unique<BeliefGrid>(
                            graph, [&supervisor] { return supervisor.mayPrepare(); })
                      : nullptr)
-    , search(graph, grid.get(), precision, style)
+    , search(graph, grid.get(), precision, style, supervisor)
   {
   }
   [[nodiscard]] SearchState state()
