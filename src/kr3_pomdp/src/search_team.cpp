@@ -18,7 +18,8 @@ namespace
 
 // Counted work in a round: little at first, because small problems are soon solved.
 constexpr std::uint64_t kFirstRound = 1U << 14U;
-constexpr std::uint64_t kLongestRound = 1U << 20U;
+constexpr std::uint64_t kLongestRound = 1U << 20U;  // or so many of the longest steps:
+constexpr std::uint64_t kLongestSteps = 4;  // else who is ahead waits for a single step of another
 constexpr std::uint64_t kGrowth = 8;  // a round is at most the work done so far divided by this
 
 /// What the members do differently, so that they do not find the same.
@@ -77,6 +78,7 @@ struct SearchTeam::Member
   // Written by its own thread before the barrier, read by others after it.
   Findings findings;
   SearchState last{};
+  std::uint64_t longest_step = 0;  // counted work
   double cpu_s = 0.0;
   std::exception_ptr failure;
   // Written by the calling thread between barriers.
@@ -124,7 +126,8 @@ public:
     while (going_on_)
     {
       // What taking over cost in the last round counts, so that all are done at the same time.
-      end += std::clamp(end / kGrowth, kFirstRound, kLongestRound);
+      end += std::clamp(end / kGrowth, kFirstRound,
+                        std::max(kLongestRound, kLongestSteps * longest_step_));
       attempt(member, [&] { workRound(index, end); });
       barrier_.wait();
       attempt(member, [&] {
@@ -166,7 +169,9 @@ private:
     while (!stop_now_ && member.graph.work() < end &&
            member.search.backups() < member.most_backups && goesOn(index))
     {
+      const std::uint64_t before = member.graph.work();
       member.search.step();
+      member.longest_step = std::max(member.longest_step, member.graph.work() - before);
     }
     member.findings = member.graph.takeFindings();
     member.last = member.state();
@@ -220,6 +225,7 @@ private:
     const std::uint64_t most = team_->limits_->max_backups;
     for (std::size_t i = 0; i < members.size(); ++i)
     {
+      longest_step_ = std::max(longest_step_, members[i]->longest_step);
       const std::uint64_t left = most > state.backups ? most - state.backups : 0;
       const std::uint64_t share = left / members.size() + (i < left % members.size() ? 1 : 0);
       members[i]->most_backups = most == 0 ? std::numeric_limits<std::uint64_t>::max()
@@ -230,7 +236,8 @@ private:
   SearchTeam* team_;
   Barrier barrier_;
   std::vector<SearchState> others_;     // all but member 0, before this round
-  bool going_on_ = true;                // written between barriers
+  bool going_on_ = true;                // written between barriers, as the next
+  std::uint64_t longest_step_ = 0;      // of any member
   std::atomic<bool> stop_now_ = false;  // the time is up, the caller cancelled, or a search threw
 };
 

@@ -80,6 +80,7 @@ MEMORY_SHARE = 0.5
 LOAD_S, LOAD_MB = 2.0, 400.0
 # Goal (g): an action of a policy, and one over ROS.
 SPARSE_LOOKUP_US, DENSE_LOOKUP_US, CALL_MS = 20.0, 500.0, 1.0
+SPARSE_STATES = 50  # with so many states or less a belief is sparse
 # Goal (h).
 OVERSHOOT_MS = 20.0
 

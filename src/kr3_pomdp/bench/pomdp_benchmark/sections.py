@@ -20,6 +20,7 @@ from .goals import (
     OVERSHOOT_MS,
     REFERENCES,
     SPARSE_LOOKUP_US,
+    SPARSE_STATES,
     TWO_THREADS,
 )
 from .processes import BenchmarkError, run
@@ -123,7 +124,8 @@ def lookups(session: Session) -> None:
     for benchmark in json.loads(output)["benchmarks"]:
         scale = {"ns": 1e-3, "us": 1.0, "ms": 1e3}[benchmark["time_unit"]]
         micros = benchmark["cpu_time"] * scale
-        dense = "dense" in benchmark["name"].lower()
+        # Named by the number of states that the belief gives something to.
+        dense = int(benchmark["name"].rsplit("/", 1)[-1]) > SPARSE_STATES
         goal = DENSE_LOOKUP_US if dense else SPARSE_LOOKUP_US
         params = {"case": benchmark["name"]}
         session.add(Figure("action lookup", micros, "us", goal, "lower", params))
