@@ -12,6 +12,7 @@
 #include <kr3_common/error.hpp>
 
 #include "domination.hpp"
+#include "kr3_pomdp/start_value.hpp"
 
 namespace kr3::pomdp
 {
@@ -361,12 +362,7 @@ private:
 
 double startValue(const Model& model, const ExactSolution& solution)
 {
-  double value = 0.0;
-  for (const InitialOutcome& outcome : model.initialOutcomes())
-  {
-    value += outcome.probability * solution.valueAt(outcome.belief);
-  }
-  return value;
+  return startValue(model, solution.stages.back());
 }
 
 ExactSolution solveExactly(const Model& model, const ExactLimits& limits)

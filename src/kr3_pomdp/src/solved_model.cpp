@@ -7,6 +7,8 @@
 
 #include <kr3_common/error.hpp>
 
+#include "kr3_pomdp/start_value.hpp"
+
 namespace kr3::pomdp
 {
 
@@ -71,11 +73,7 @@ SolvedModel unsolvedModel(std::shared_ptr<const NamedModel> source, std::optiona
                             ", the model has " + std::to_string(model.numStates()) +
                             " states and " + std::to_string(model.numActions()) + " actions");
     }
-    lower = 0.0;
-    for (const InitialOutcome& outcome : model.initialOutcomes())
-    {
-      lower += outcome.probability * policy->valueAt(outcome.belief);
-    }
+    lower = startValue(model, *policy);
   }
   return {std::move(source), std::move(policy), {}, lower, kInfinity, 0, std::nullopt, 0.0, 0.0, 0};
 }

@@ -10,6 +10,7 @@
 #include <kr3_common/error.hpp>
 
 #include "belief_graph.hpp"
+#include "kr3_pomdp/start_value.hpp"
 #include "search_team.hpp"
 #include "solver_parts.hpp"
 #include "supervisor.hpp"
@@ -136,17 +137,6 @@ void keepCorners(InformedVectors& informed)
     }
     std::fill(vectors.begin(), vectors.end(), corners);
   }
-}
-
-/// The policy's own bound before anything is seen.
-double startValue(const Model& model, const Policy& policy)
-{
-  double value = 0.0;
-  for (const InitialOutcome& outcome : model.initialOutcomes())
-  {
-    value += outcome.probability * policy.valueAt(outcome.belief);
-  }
-  return value;
 }
 
 /// Asked while a policy is made: yes, but not for long once a run had to stop.

@@ -11,6 +11,7 @@
 #include "kr3_pomdp/policy_format.hpp"
 #include "kr3_pomdp/pomdpx_format.hpp"
 #include "kr3_pomdp/simulation.hpp"
+#include "kr3_pomdp/start_value.hpp"
 #include "tool.hpp"
 
 namespace
@@ -45,15 +46,9 @@ void print(const Evaluation& value)
       static_cast<unsigned long long>(value.trials), value.mean_steps, 100.0 * value.finished);
 }
 
-/// Of a policy of kr3_solve its own value is a lower bound; others promise nothing.
 void printOwn(const Model& model, const Policy& policy)
 {
-  double own = 0.0;
-  for (const InitialOutcome& outcome : model.initialOutcomes())
-  {
-    own += outcome.probability * policy.valueAt(outcome.belief);
-  }
-  std::printf("the policy's own value: %.5f\n", own);
+  std::printf("the policy's own value: %.5f\n", startValue(model, policy));
 }
 
 /// Whether the file has a policy for each step.
