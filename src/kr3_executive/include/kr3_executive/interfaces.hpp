@@ -84,6 +84,13 @@ struct LowLevelAction
 /// `${loc(R)}`; empty when it is not known.
 using FluentLookup = std::function<std::string(const std::string& fluent)>;
 
+/// A fact that a skill noticed without being asked about it.
+struct Sighting
+{
+  std::string literal;      ///< of the low level, ground: "loc(tb1) = c7"
+  double confidence = 1.0;  ///< probability that it is right, (0, 1]
+};
+
 struct LowLevelResult
 {
   std::string outcome;                   ///< label, for people
@@ -92,6 +99,7 @@ struct LowLevelResult
                                          ///< or "false"
   double confidence = 1.0;               ///< of the observation, (0, 1]
   double duration_s = 0.0;
+  std::vector<Sighting> sightings;  ///< noticed by the way
 };
 
 /// Executes ground low-level actions on a robot, real or simulated.

@@ -272,6 +272,8 @@ LowLevelResult RosExecutor::execute(const LowLevelAction& action, const FluentLo
   result.observation = bindings_.observation(action, answer.outcome, answer.observation);
   result.confidence = answer.confidence;
   result.duration_s = answer.duration_s;
+  for (const auto& sighting : answer.sightings)
+    result.sightings.push_back({sighting.literal, sighting.confidence});
   return result;
 }
 
