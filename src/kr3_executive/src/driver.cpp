@@ -68,6 +68,7 @@ MissionResult MissionDriver::achieve(const std::string& goal,
   static_cast<void>(reasoner::parseGoal(goal, domain_.highLevel()));
   cancel_ = false;
   sequence_ = 0;
+  num_decisions_ = 0;
   task_.reset();
   surprises_.clear();
   surprised_fluents_.clear();
@@ -81,6 +82,8 @@ MissionResult MissionDriver::achieve(const std::string& goal,
   GoalGiven given{goal, limits, {}, currentStep(knowledge_.history)};
   if (knowledge_.history.empty())
     given.records = initial;
+  running_ = true;
+  note(MissionBegun{goal, initial, limits, time_limit_s, config_, knowledge_});
   apply(given);
   while (state_.phase != Phase::kFinished)
   {
@@ -93,18 +96,22 @@ MissionResult MissionDriver::achieve(const std::string& goal,
     }
     catch (const Cancelled&)
     {
+      note(MissionCancelled{});
       event = CancelRequested{};
     }
     catch (const Error& e)
     {
+      note(RequestRefused{e.code(), e.what()});
       event = RequestFailed{e.code(), e.what()};
     }
     catch (const std::exception& e)
     {
+      note(RequestRefused{ErrorCode::kInternal, e.what()});
       event = RequestFailed{ErrorCode::kInternal, e.what()};
     }
     apply(*event);
   }
+  running_ = false;
   takeInTold();
   const Finish& outcome = *state_.outcome;
   return {outcome.code,           outcome.achieved,       outcome.reason,
@@ -117,17 +124,30 @@ std::optional<Event> MissionDriver::interruption()
     return std::nullopt;
   const bool recording = std::holds_alternative<AddRecords>(decision_);
   if (cancel_ && !recording)  // records that were decided on are true, whoever cancels
+  {
+    note(MissionCancelled{});
     return CancelRequested{};
+  }
   if (deadline_s_ && clock_() > *deadline_s_ && !recording)
+  {
+    note(TimeExpired{});
     return RequestFailed{ErrorCode::kDeadlineExceeded, "the time allowed for the mission ran out"};
+  }
   if (state_.phase == Phase::kExecuting || state_.phase == Phase::kPreparing)
   {
-    const std::lock_guard<std::mutex> lock(told_mutex_);
-    if (!told_.empty())
+    std::optional<Told> told;
     {
-      Told event{told_.front()};
-      told_.erase(told_.begin());
-      return event;
+      const std::lock_guard<std::mutex> lock(told_mutex_);
+      if (!told_.empty())
+      {
+        told = Told{told_.front()};
+        told_.erase(told_.begin());
+      }
+    }
+    if (told)
+    {
+      note(FactTold{told->record, true});
+      return *told;
     }
   }
   return std::nullopt;
@@ -146,6 +166,7 @@ void MissionDriver::apply(const Event& event)
   }
   state_ = std::move(transition.state);
   decision_ = std::move(transition.decision);
+  note(reported(decision_, state_));
 
   if (std::holds_alternative<GoalGiven>(event))
     report(EventKind::kGoal, narrator_.goal(state_.goal));
@@ -332,25 +353,10 @@ Event MissionDriver::performAction()
     return PolicyFinished{task_->assess()};
 
   const LowLevelAction action = task_->action(index);
-  const FluentLookup believed = [this](const std::string& fluent) { return believedValue(fluent); };
-  LowLevelResult result;
+  note(ReportedDecision{0, "low_level_action", {action.text}});
   ll_action_ = action.text;
   publish();
-  for (std::uint32_t attempt = 0;; ++attempt)
-  {
-    try
-    {
-      result = executor_.execute(action, believed, cancel_);
-      break;
-    }
-    catch (const Error& e)
-    {
-      const bool may_retry =
-          e.code() == ErrorCode::kUnavailable || e.code() == ErrorCode::kDeadlineExceeded;
-      if (!may_retry || attempt >= config_.max_skill_retries || cancel_)
-        throw;
-    }
-  }
+  const LowLevelResult result = execute(action);
   ll_action_.clear();
   const bool explained = task_->update(index, result.observation);
   task_->remember(knowledge_.memory);
@@ -363,6 +369,39 @@ Event MissionDriver::performAction()
     belief.fluents[fluent.name] = task_->pomdp().fineMarginal(task_->belief(), fluent.name);
   observer_.onBelief(belief);
   return afterObservation(action, explained);
+}
+
+LowLevelResult MissionDriver::execute(const LowLevelAction& action)
+{
+  const FluentLookup believed = [this](const std::string& fluent) { return believedValue(fluent); };
+  for (std::uint32_t attempt = 0;; ++attempt)
+  {
+    try
+    {
+      LowLevelResult result = executor_.execute(action, believed, cancel_);
+      note(SkillEnded{action, ErrorCode::kOk, {}, result});
+      return result;
+    }
+    catch (const Error& e)
+    {
+      note(SkillEnded{action, e.code(), e.what(), {}});
+      const bool may_retry =
+          e.code() == ErrorCode::kUnavailable || e.code() == ErrorCode::kDeadlineExceeded;
+      if (!may_retry || attempt >= config_.max_skill_retries || cancel_)
+        throw;
+    }
+  }
+}
+
+void MissionDriver::note(const Input& input)
+{
+  observer_.onInput(input);
+}
+
+void MissionDriver::note(ReportedDecision decision)
+{
+  decision.sequence = num_decisions_++;
+  observer_.onDecision(decision);
 }
 
 std::string MissionDriver::believedValue(const std::string& fluent) const

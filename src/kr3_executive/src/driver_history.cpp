@@ -170,6 +170,8 @@ void MissionDriver::tell(const Record& record)
     const std::lock_guard<std::mutex> lock(told_mutex_);
     told_.push_back(std::move(told));
   }
+  if (running_)
+    return;  // and it may be the mission's own thread that tells
   const std::unique_lock<std::mutex> idle(mission_mutex_, std::try_to_lock);
   if (idle.owns_lock())
     takeInTold();
@@ -185,7 +187,10 @@ void MissionDriver::takeInTold()
   if (told.empty())
     return;
   for (auto& record : told)
+  {
+    note(FactTold{record, false});
     record.step = currentStep(knowledge_.history);
+  }
   addToHistory(told);
   for (const auto& record : told)
     report(EventKind::kRecord, narrator_.record(record, false));

@@ -18,27 +18,12 @@
 #include "kr3_executive/interfaces.hpp"
 #include "kr3_executive/low_level_task.hpp"
 #include "kr3_executive/mission.hpp"
+#include "kr3_executive/mission_log.hpp"
 #include "kr3_executive/narration.hpp"
 #include "kr3_executive/rule_interpreter.hpp"
 
 namespace kr3::executive
 {
-
-struct DriverConfig
-{
-  Limits limits;
-  SolveBudget budget;
-  /// Belief that an object is where only a default puts it, in (0, 1).
-  double default_probability = 0.85;
-  /// A hypothesis among k has probability 1/k, but at least this. With less a policy would rather
-  /// give up than look, or would pass the threshold with parts of the place never looked at, the
-  /// same ones each time. In (0, 1).
-  double least_hypothesis_probability = 0.6;
-  /// A low-level action that could not be executed is tried again this often.
-  std::uint32_t max_skill_retries = 2;
-  /// Whether snapshots explain what is entailed about the goal's objects; costs some questions.
-  bool explain_facts = false;
-};
 
 /// How a mission ended.
 struct MissionResult
@@ -51,19 +36,15 @@ struct MissionResult
   double duration_s = 0.0;  ///< on the driver's clock
 };
 
-/// What outlives a mission and a restart.
-struct Knowledge
-{
-  std::vector<reasoner::Record> history;
-  LowLevelMemory memory;
-};
-
 /// The loop around the transition function: performs its decisions with a reasoner, a policy server
 /// and an executor, and feeds back what comes of them. One core for a robot and for the abstract
 /// simulator.
 ///
-/// achieve() runs in one thread; cancel() and tell() may be called from others. Everything passed
-/// by reference must outlive the driver.
+/// achieve() runs in one thread; cancel() and tell() may be called from others, and by the observer
+/// from within. Everything passed by reference must outlive the driver.
+///
+/// What enters a mission from outside enters here alone, and is reported as an Input where it does
+/// (mission_log.hpp).
 class MissionDriver
 {
 public:
@@ -106,6 +87,9 @@ private:
   void apply(const Event& event);
   void report(EventKind kind, Narration narration);
   void publish();
+  void note(const Input& input);
+  void note(ReportedDecision decision);
+  [[nodiscard]] LowLevelResult execute(const LowLevelAction& action);
   void refreshFacts();
   void takeInTold();
   [[nodiscard]] std::string believedValue(const std::string& fluent) const;
@@ -146,9 +130,11 @@ private:
   std::map<std::pair<std::string, int>, Support> supports_;  // of the present history
   std::map<std::string, std::string> expected_by_default_;   // default that once gave a literal
   std::uint32_t sequence_ = 0;
+  std::uint32_t num_decisions_ = 0;
   std::optional<double> deadline_s_;
 
   std::atomic<bool> cancel_{false};
+  std::atomic<bool> running_{false};
   std::mutex mission_mutex_;  // held while a mission runs
   std::mutex told_mutex_;
   std::vector<reasoner::Record> told_;

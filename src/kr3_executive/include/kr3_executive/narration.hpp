@@ -10,6 +10,7 @@
 #include "kr3_executive/bindings.hpp"
 #include "kr3_executive/low_level_task.hpp"
 #include "kr3_executive/mission.hpp"
+#include "kr3_executive/mission_log.hpp"
 
 namespace kr3::executive
 {
@@ -83,6 +84,9 @@ public:
   virtual void onEvent(const ReportedEvent& event) = 0;
   virtual void onBelief(const ReportedBelief& belief) = 0;
   virtual void onSnapshot(const Snapshot& snapshot) = 0;
+  /// Inputs and decisions, in the order in which they were taken in and made.
+  virtual void onInput(const Input& /*input*/) {}
+  virtual void onDecision(const ReportedDecision& /*decision*/) {}
 };
 
 /// Puts what the executive does into words, with the phrases of the domain.

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <kr3_reasoner/reasoner.hpp>
+
+#include "kr3_executive/interfaces.hpp"
+#include "kr3_executive/low_level_task.hpp"
+#include "kr3_executive/mission.hpp"
+
+/// What enters a mission from outside, and what it decides: enough to compute it again. From the
+/// same inputs, in the same places between the decisions, the same decisions follow, as long as
+/// plans and policies are bounded by counted work and not by time.
+namespace kr3::executive
+{
+
+struct DriverConfig
+{
+  Limits limits;
+  SolveBudget budget;
+  /// Belief that an object is where only a default puts it, in (0, 1).
+  double default_probability = 0.85;
+  /// A hypothesis among k has probability 1/k, but at least this. With less a policy would rather
+  /// give up than look, or would pass the threshold with parts of the place never looked at, the
+  /// same ones each time. In (0, 1).
+  double least_hypothesis_probability = 0.6;
+  /// A low-level action that could not be executed is tried again this often.
+  std::uint32_t max_skill_retries = 2;
+  /// Whether snapshots explain what is entailed about the goal's objects; costs some questions.
+  bool explain_facts = false;
+};
+
+/// What outlives a mission and a restart.
+struct Knowledge
+{
+  std::vector<reasoner::Record> history;
+  LowLevelMemory memory;
+};
+
+// ---- Inputs -----------------------------------------------------------------------------------
+
+/// The first input of each mission: everything it starts from.
+struct MissionBegun
+{
+  std::string goal;
+  std::vector<reasoner::Record> initial;  ///< told if the history is empty
+  Limits limits;
+  double time_limit_s = 0.0;  ///< 0 = none
+  DriverConfig config;
+  Knowledge knowledge;
+};
+
+/// A request to the executor ended; each try is one input.
+struct SkillEnded
+{
+  LowLevelAction action;
+  ErrorCode code = ErrorCode::kOk;  ///< else it could not be executed, and `result` is empty
+  std::string message;              ///< of the error
+  LowLevelResult result;
+};
+
+/// A person told a fact.
+struct FactTold
+{
+  reasoner::Record record;     ///< checked; its step is set when it is taken in
+  bool during_mission = true;  ///< else it went straight into the history
+};
+
+/// Somebody cancelled the mission. After a SkillEnded with ErrorCode::kCancelled nothing new came
+/// from outside.
+struct MissionCancelled
+{
+};
+
+/// The time allowed for the mission ran out.
+struct TimeExpired
+{
+};
+
+/// The reasoner, the policy server or the executor could not answer; the mission ends. After a
+/// SkillEnded with the same code nothing new came from outside.
+struct RequestRefused
+{
+  ErrorCode code = ErrorCode::kInternal;
+  std::string message;
+};
+
+using Input =
+    std::variant<MissionBegun, SkillEnded, FactTold, MissionCancelled, TimeExpired, RequestRefused>;
+
+// ---- Decisions --------------------------------------------------------------------------------
+
+/// A decision in plain words of the language; equal decisions have equal texts.
+struct ReportedDecision
+{
+  std::uint32_t sequence = 0;  ///< from 0 in each mission, as MissionBegun does not count
+  std::string kind;  ///< as toString(Decision), or "low_level_action": what a policy chose
+  std::vector<std::string> details;  ///< of AddRecords a record a line; of a plan that was chosen
+                                     ///< its hypothesis and steps; of others their argument
+};
+
+/// "request_plan", "request_policy", "execute_policy_action", "add_records", "request_diagnosis",
+/// "reopen_refutation", "finish", "wait".
+[[nodiscard]] const char* toString(const Decision& decision);
+
+/// A decision of the core, with what it is about. Confidences are given to 9 digits.
+[[nodiscard]] ReportedDecision reported(const Decision& decision, const State& state);
+
+}  // namespace kr3::executive

@@ -1,0 +1,88 @@
+#include "kr3_executive/mission_log.hpp"
+
+#include <cstdio>
+
+namespace kr3::executive
+{
+namespace
+{
+
+std::string described(const reasoner::Record& record)
+{
+  char confidence[40];
+  std::snprintf(confidence, sizeof confidence, "%.9g", record.confidence);
+  return reasoner::toString(record) + ", " + confidence + ", " + record.source;
+}
+
+std::string joined(const std::vector<std::string>& items, const char* separator)
+{
+  std::string text;
+  for (const auto& item : items)
+    text += (text.empty() ? "" : separator) + item;
+  return text;
+}
+
+struct Details
+{
+  const State& state;
+
+  std::vector<std::string> operator()(const Wait&) const { return {}; }
+  std::vector<std::string> operator()(const RequestPlan&) const { return {state.goal}; }
+  std::vector<std::string> operator()(const RequestPolicy& request) const
+  {
+    // Together with the plan that was chosen: the same first action may serve another one.
+    std::vector<std::string> details{request.action};
+    if (request.rebuild)
+      details.emplace_back("rebuild");
+    if (state.plan)
+    {
+      details.push_back("assuming " + joined(state.plan->plan.hypothesis, ", "));
+      for (std::size_t i = state.plan_index + 1; i < state.plan->plan.steps.size(); ++i)
+        details.push_back("then " + joined(state.plan->plan.steps[i], " and "));
+    }
+    return details;
+  }
+  std::vector<std::string> operator()(const ExecutePolicyAction&) const
+  {
+    return {state.currentAction()};
+  }
+  std::vector<std::string> operator()(const AddRecords& request) const
+  {
+    std::vector<std::string> details;
+    for (const auto& record : request.records)
+      details.push_back(described(record));
+    return details;
+  }
+  std::vector<std::string> operator()(const RequestDiagnosis&) const { return {}; }
+  std::vector<std::string> operator()(const ReopenRefutation&) const { return {}; }
+  std::vector<std::string> operator()(const Finish& finish) const
+  {
+    return {finish.achieved ? "achieved" : "not achieved", finish.reason};
+  }
+};
+
+struct Kind
+{
+  const char* operator()(const Wait&) const { return "wait"; }
+  const char* operator()(const RequestPlan&) const { return "request_plan"; }
+  const char* operator()(const RequestPolicy&) const { return "request_policy"; }
+  const char* operator()(const ExecutePolicyAction&) const { return "execute_policy_action"; }
+  const char* operator()(const AddRecords&) const { return "add_records"; }
+  const char* operator()(const RequestDiagnosis&) const { return "request_diagnosis"; }
+  const char* operator()(const ReopenRefutation&) const { return "reopen_refutation"; }
+  const char* operator()(const Finish&) const { return "finish"; }
+};
+
+}  // namespace
+
+const char* toString(const Decision& decision)
+{
+  return std::visit(Kind{}, decision);
+}
+
+ReportedDecision reported(const Decision& decision, const State& state)
+{
+  return {0, toString(decision), std::visit(Details{state}, decision)};
+}
+
+}  // namespace kr3::executive
