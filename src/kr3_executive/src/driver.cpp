@@ -215,7 +215,10 @@ Event MissionDriver::performPlan()
   const reasoner::PlanResult result = reasoner_.plan(state_.goal, cancel_);
   PlanReady event{result.goal_entailed, {}, result.reason};
   if (result.goal_entailed || result.plans.empty())
+  {
+    note(reported(event.plans));
     return event;
+  }
   const std::vector<reasoner::Literal> known = believedState({});
   for (const auto& found : result.plans)
   {
@@ -227,6 +230,7 @@ Event MissionDriver::performPlan()
       plan.cost_s = refinement::estimatedCost(domain_, models_, state, plan.plan.steps);
     event.plans.push_back(std::move(plan));
   }
+  note(reported(event.plans));
   return event;
 }
 
@@ -331,10 +335,17 @@ Event MissionDriver::performPolicy(const RequestPolicy& request)
   {
     return ActionImpossible{e.what()};
   }
-  const SolvedPolicy policy = policies_.solve(task_->pomdp().model(), config_.budget, cancel_);
-  policy_id_ = policy.id;
+  const SolvedPolicy policy = solvePolicy(request.action);
   report(EventKind::kPolicy, narrator_.policy(request.action, policy, task_->pomdp()));
   return PolicyReady{task_->assess()};
+}
+
+SolvedPolicy MissionDriver::solvePolicy(const std::string& action)
+{
+  const SolvedPolicy policy = policies_.solve(task_->pomdp().model(), config_.budget, cancel_);
+  policy_id_ = policy.id;
+  note(reported(action, policy, task_->belief()));
+  return policy;
 }
 
 Event MissionDriver::performAction()
@@ -346,14 +357,15 @@ Event MissionDriver::performAction()
   }
   catch (const NotFound&)  // the server was restarted: tell it again
   {
-    policy_id_ = policies_.solve(task_->pomdp().model(), config_.budget, cancel_).id;
+    static_cast<void>(solvePolicy(state_.currentAction()));
     index = policies_.actionAt(policy_id_, task_->belief());
   }
-  if (task_->isFinish(index))
+  const bool finishes = task_->isFinish(index);
+  note(reportedLowLevel(finishes ? std::string() : task_->action(index).text, task_->belief()));
+  if (finishes)
     return PolicyFinished{task_->assess()};
 
   const LowLevelAction action = task_->action(index);
-  note(ReportedDecision{0, "low_level_action", {action.text}});
   ll_action_ = action.text;
   publish();
   const LowLevelResult result = execute(action);

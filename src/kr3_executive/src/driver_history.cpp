@@ -109,6 +109,7 @@ Event MissionDriver::performRecords(const std::vector<Record>& records)
 Event MissionDriver::performDiagnosis()
 {
   const reasoner::Diagnosis diagnosis = reasoner_.diagnose();
+  note(reported(diagnosis));
   const std::vector<std::string> known = std::exchange(exceptions_, {});
   std::vector<std::string> expectations;
   if (diagnosis.consistent)

@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include <kr3_pomdp/solved_model.hpp>
+
 namespace kr3::executive
 {
 namespace
@@ -20,6 +22,21 @@ std::string joined(const std::vector<std::string>& items, const char* separator)
   for (const auto& item : items)
     text += (text.empty() ? "" : separator) + item;
   return text;
+}
+
+std::string exact(double number)
+{
+  char digits[40];
+  std::snprintf(digits, sizeof digits, "%.17g", number);
+  return digits;
+}
+
+std::string fingerprint(const pomdp::Belief& belief)
+{
+  std::string text;
+  for (const double probability : belief.probabilities())
+    text += exact(probability) + ' ';
+  return "belief " + pomdp::contentHash(text);
 }
 
 struct Details
@@ -82,7 +99,53 @@ const char* toString(const Decision& decision)
 
 ReportedDecision reported(const Decision& decision, const State& state)
 {
-  return {0, toString(decision), std::visit(Details{state}, decision)};
+  return {0, toString(decision), std::visit(Details{state}, decision), {}, {}};
+}
+
+ReportedDecision reported(const std::vector<CostedPlan>& plans)
+{
+  ReportedDecision decision{0, "plans", {}, {}, {}};
+  for (const auto& candidate : plans)
+  {
+    std::string steps;
+    for (const auto& together : candidate.plan.steps)
+      steps += (steps.empty() ? "" : ", then ") + joined(together, " and ");
+    const std::string& assumed = joined(candidate.plan.hypothesis, ", ");
+    decision.details.push_back(steps + (assumed.empty() ? "" : ", assuming " + assumed));
+    decision.basis.push_back("cost " + exact(candidate.cost_s));
+  }
+  return decision;
+}
+
+ReportedDecision reported(const std::string& action, const SolvedPolicy& policy,
+                          const pomdp::Belief& belief)
+{
+  return {0,
+          "policy",
+          {action},
+          {"worth " + exact(policy.lower) + " to " + exact(policy.upper), fingerprint(belief)},
+          policy};
+}
+
+ReportedDecision reported(const reasoner::Diagnosis& diagnosis)
+{
+  ReportedDecision decision{0, "diagnosis", {}, {}, {}};
+  if (!diagnosis.consistent)
+    decision.details.emplace_back("inconsistent");
+  for (const auto& explanation : diagnosis.explanations)
+    decision.details.push_back(explanation.empty() ? "nothing" : joined(explanation, ", "));
+  return decision;
+}
+
+ReportedDecision reportedLowLevel(const std::string& action, const pomdp::Belief& belief)
+{
+  ReportedDecision decision{0, "low_level_finish", {}, {fingerprint(belief)}, {}};
+  if (!action.empty())
+  {
+    decision.kind = "low_level_action";
+    decision.details = {action};
+  }
+  return decision;
 }
 
 }  // namespace kr3::executive

@@ -81,6 +81,8 @@ private:
   Event performPlan();
   Event performPolicy(const RequestPolicy& request);
   Event performAction();
+  /// Asks for the policy of the task at its present belief.
+  SolvedPolicy solvePolicy(const std::string& action);
   Event performRecords(const std::vector<reasoner::Record>& records);
   Event performDiagnosis();
   Event performReopen();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -97,9 +98,14 @@ using Input =
 struct ReportedDecision
 {
   std::uint32_t sequence = 0;  ///< from 0 in each mission, as MissionBegun does not count
-  std::string kind;  ///< as toString(Decision), or "low_level_action": what a policy chose
+  std::string kind;  ///< as toString(Decision); what a policy chose: "low_level_action" or
+                     ///< "low_level_finish"; what was computed on the way: "plans", "policy",
+                     ///< "diagnosis"
   std::vector<std::string> details;  ///< of AddRecords a record a line; of a plan that was chosen
                                      ///< its hypothesis and steps; of others their argument
+  std::vector<std::string> basis;    ///< numbers that it rests on, with all their digits: costs of
+                                     ///< plans, bounds of a policy, a hash of the belief
+  std::optional<SolvedPolicy> policy;  ///< of "policy"
 };
 
 /// "request_plan", "request_policy", "execute_policy_action", "add_records", "request_diagnosis",
@@ -108,5 +114,20 @@ struct ReportedDecision
 
 /// A decision of the core, with what it is about. Confidences are given to 9 digits.
 [[nodiscard]] ReportedDecision reported(const Decision& decision, const State& state);
+
+/// Plans that were found, a line each, with their costs as basis.
+[[nodiscard]] ReportedDecision reported(const std::vector<CostedPlan>& plans);
+
+/// The policy for a high-level action, to be followed from `belief`.
+[[nodiscard]] ReportedDecision reported(const std::string& action, const SolvedPolicy& policy,
+                                        const pomdp::Belief& belief);
+
+/// A diagnosis: its minimal explanations, a line each.
+[[nodiscard]] ReportedDecision reported(const reasoner::Diagnosis& diagnosis);
+
+/// What a policy says at a belief.
+/// @param action  empty to finish
+[[nodiscard]] ReportedDecision reportedLowLevel(const std::string& action,
+                                                const pomdp::Belief& belief);
 
 }  // namespace kr3::executive

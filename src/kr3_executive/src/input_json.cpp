@@ -1,0 +1,311 @@
+#include "input_json.hpp"
+
+#include <chrono>
+#include <limits>
+#include <utility>
+
+#include <kr3_common/error.hpp>
+#include <kr3_pomdp/solved_model.hpp>
+
+namespace kr3::executive
+{
+namespace
+{
+
+using nlohmann::json;
+
+json toJson(const DomainFile& file)
+{
+  return {{"name", file.name}, {"text", file.text}, {"hash", pomdp::contentHash(file.text)}};
+}
+
+DomainFile fileFromJson(const json& item)
+{
+  DomainFile file{item.at("name"), item.at("text")};
+  const std::string hash = pomdp::contentHash(file.text);
+  if (item.at("hash") != hash)
+    throw InvalidArgument("the text of " + file.name + " has the hash " + hash + ", recorded was " +
+                          item.at("hash").dump());
+  return file;
+}
+
+json toJson(const refinement::ComponentMap& map)
+{
+  json components = json::array();
+  json neighbors = json::array();
+  json distances = json::array();
+  for (std::size_t i = 0; i < map.size(); ++i)
+  {
+    const auto& component = map.components()[i];
+    components.push_back({component.name, component.part_of});
+    neighbors.push_back(map.neighbors(i));
+    json row = json::array();
+    for (std::size_t k = 0; k < map.size(); ++k)
+    {
+      const double distance = map.distance(i, k);
+      row.push_back(distance < std::numeric_limits<double>::infinity() ? json(distance) : json());
+    }
+    distances.push_back(std::move(row));
+  }
+  return {{"components", components},
+          {"neighbors", neighbors},
+          {"facts", map.facts()},
+          {"distances_m", distances}};
+}
+
+refinement::ComponentMap mapFromJson(const json& item)
+{
+  refinement::ComponentMapData data;
+  for (const auto& component : item.at("components"))
+    data.components.push_back({component.at(0), component.at(1)});
+  item.at("neighbors").get_to(data.neighbors);
+  item.at("facts").get_to(data.facts);
+  for (const auto& row : item.at("distances_m"))
+  {
+    for (const auto& distance : row)
+      data.distances_m.push_back(distance.is_null() ? std::numeric_limits<double>::infinity()
+                                                    : distance.get<double>());
+  }
+  return refinement::ComponentMap(std::move(data));
+}
+
+json toJson(const reasoner::Record& record)
+{
+  return {{"kind", static_cast<int>(record.kind)},
+          {"statement", record.statement},
+          {"value", record.value},
+          {"step", record.step},
+          {"confidence", record.confidence},
+          {"source", record.source}};
+}
+
+reasoner::Record recordFromJson(const json& item)
+{
+  const int kind = item.at("kind").get<int>();
+  if (kind < 0 || kind > static_cast<int>(reasoner::RecordKind::kInitially))
+    throw InvalidArgument("record kind " + std::to_string(kind));
+  return {static_cast<reasoner::RecordKind>(kind),
+          item.at("statement"),
+          item.at("value"),
+          item.at("step"),
+          item.at("confidence"),
+          item.at("source")};
+}
+
+json toJson(const std::vector<reasoner::Record>& records)
+{
+  json list = json::array();
+  for (const auto& record : records)
+    list.push_back(toJson(record));
+  return list;
+}
+
+std::vector<reasoner::Record> recordsFromJson(const json& list)
+{
+  std::vector<reasoner::Record> records;
+  for (const auto& item : list)
+    records.push_back(recordFromJson(item));
+  return records;
+}
+
+json toJson(const Limits& limits)
+{
+  return {{"max_hl_actions", limits.max_hl_actions}, {"max_ll_actions", limits.max_ll_actions},
+          {"max_attempts", limits.max_attempts},     {"max_reopened", limits.max_reopened},
+          {"max_rebuilds", limits.max_rebuilds},     {"threshold", limits.threshold}};
+}
+
+Limits limitsFromJson(const json& item)
+{
+  Limits limits;
+  item.at("max_hl_actions").get_to(limits.max_hl_actions);
+  item.at("max_ll_actions").get_to(limits.max_ll_actions);
+  item.at("max_attempts").get_to(limits.max_attempts);
+  item.at("max_reopened").get_to(limits.max_reopened);
+  item.at("max_rebuilds").get_to(limits.max_rebuilds);
+  item.at("threshold").get_to(limits.threshold);
+  return limits;
+}
+
+json toJson(const DriverConfig& config)
+{
+  return {{"limits", toJson(config.limits)},
+          {"precision", config.budget.precision},
+          {"solve_time_s", config.budget.time_s},
+          {"max_backups", config.budget.max_backups},
+          {"default_probability", config.default_probability},
+          {"least_hypothesis_probability", config.least_hypothesis_probability},
+          {"max_skill_retries", config.max_skill_retries},
+          {"explain_facts", config.explain_facts}};
+}
+
+DriverConfig configFromJson(const json& item)
+{
+  DriverConfig config;
+  config.limits = limitsFromJson(item.at("limits"));
+  item.at("precision").get_to(config.budget.precision);
+  item.at("solve_time_s").get_to(config.budget.time_s);
+  item.at("max_backups").get_to(config.budget.max_backups);
+  item.at("default_probability").get_to(config.default_probability);
+  item.at("least_hypothesis_probability").get_to(config.least_hypothesis_probability);
+  item.at("max_skill_retries").get_to(config.max_skill_retries);
+  item.at("explain_facts").get_to(config.explain_facts);
+  return config;
+}
+
+json toJson(const LowLevelMemory& memory)
+{
+  json item = json::object();
+  for (const auto& [fluent, remembered] : memory)
+    item[fluent] = {{"values", remembered.values}, {"assumed", remembered.assumed}};
+  return item;
+}
+
+LowLevelMemory memoryFromJson(const json& item)
+{
+  LowLevelMemory memory;
+  for (const auto& [fluent, remembered] : item.items())
+    memory[fluent] = {remembered.at("values").get<refinement::Distribution>(),
+                      remembered.at("assumed").get<std::string>()};
+  return memory;
+}
+
+}  // namespace
+
+json toJson(const DomainFiles& domain)
+{
+  return {{"version", kRecordingVersion},
+          {"domain", toJson(domain.domain)},
+          {"refinement", toJson(domain.refinement)},
+          {"models", toJson(domain.models)},
+          {"bindings", toJson(domain.bindings)},
+          {"map", toJson(domain.map)}};
+}
+
+DomainFiles domainFromJson(const json& item)
+{
+  const int version = item.at("version").get<int>();
+  if (version != kRecordingVersion)
+    throw InvalidArgument("recorded by version " + std::to_string(version) + ", expected " +
+                          std::to_string(kRecordingVersion));
+  return {fileFromJson(item.at("domain")), fileFromJson(item.at("refinement")),
+          fileFromJson(item.at("models")), fileFromJson(item.at("bindings")),
+          mapFromJson(item.at("map"))};
+}
+
+json toJson(const reasoner::PlanOptions& plan)
+{
+  return {{"max_horizon", plan.max_horizon},
+          {"time_limit_ms", plan.time_limit.count()},
+          {"preference", static_cast<int>(plan.preference)},
+          {"all", plan.all},
+          {"max_plans", plan.max_plans},
+          {"relevant_only", plan.relevant_only},
+          {"extra_share", plan.extra_share}};
+}
+
+reasoner::PlanOptions planOptionsFromJson(const json& item)
+{
+  reasoner::PlanOptions plan;
+  item.at("max_horizon").get_to(plan.max_horizon);
+  plan.time_limit = std::chrono::milliseconds(item.at("time_limit_ms").get<std::int64_t>());
+  plan.preference = static_cast<reasoner::PlanPreference>(item.at("preference").get<int>());
+  item.at("all").get_to(plan.all);
+  item.at("max_plans").get_to(plan.max_plans);
+  item.at("relevant_only").get_to(plan.relevant_only);
+  item.at("extra_share").get_to(plan.extra_share);
+  return plan;
+}
+
+json toJson(const MissionBegun& mission)
+{
+  return {{"goal", mission.goal},
+          {"initial", toJson(mission.initial)},
+          {"limits", toJson(mission.limits)},
+          {"time_limit_s", mission.time_limit_s},
+          {"config", toJson(mission.config)},
+          {"history", toJson(mission.knowledge.history)},
+          {"memory", toJson(mission.knowledge.memory)}};
+}
+
+MissionBegun missionFromJson(const json& item)
+{
+  return {item.at("goal"),
+          recordsFromJson(item.at("initial")),
+          limitsFromJson(item.at("limits")),
+          item.at("time_limit_s"),
+          configFromJson(item.at("config")),
+          {recordsFromJson(item.at("history")), memoryFromJson(item.at("memory"))}};
+}
+
+json toJson(const SkillEnded& skill)
+{
+  json sightings = json::array();
+  for (const auto& sighting : skill.result.sightings)
+    sightings.push_back({{"literal", sighting.literal}, {"confidence", sighting.confidence}});
+  json item = {{"action", skill.action.text},           {"code", static_cast<int>(skill.code)},
+               {"outcome", skill.result.outcome},       {"observation", skill.result.observation},
+               {"confidence", skill.result.confidence}, {"duration_s", skill.result.duration_s},
+               {"sightings", std::move(sightings)}};
+  if (skill.code != ErrorCode::kOk)
+    item["message"] = skill.message;
+  return item;
+}
+
+SkillEnded skillFromJson(const json& item)
+{
+  SkillEnded skill;
+  item.at("action").get_to(skill.action.text);
+  skill.code = static_cast<ErrorCode>(item.at("code").get<int>());
+  skill.message = item.value("message", std::string());
+  item.at("outcome").get_to(skill.result.outcome);
+  item.at("observation").get_to(skill.result.observation);
+  item.at("confidence").get_to(skill.result.confidence);
+  item.at("duration_s").get_to(skill.result.duration_s);
+  for (const auto& sighting : item.at("sightings"))
+    skill.result.sightings.push_back({sighting.at("literal"), sighting.at("confidence")});
+  return skill;
+}
+
+json toJson(const FactTold& told)
+{
+  json item = toJson(told.record);
+  item["during_mission"] = told.during_mission;
+  return item;
+}
+
+FactTold toldFromJson(const json& item)
+{
+  return {recordFromJson(item), item.at("during_mission")};
+}
+
+json toJson(const ReportedDecision& decision)
+{
+  json item = {{"decision", decision.sequence},
+               {"kind", decision.kind},
+               {"details", decision.details},
+               {"basis", decision.basis}};
+  if (decision.policy)
+  {
+    item["policy"] = {{"lower", decision.policy->lower},
+                      {"upper", decision.policy->upper},
+                      {"backups", decision.policy->backups}};
+  }
+  return item;
+}
+
+ReportedDecision decisionFromJson(const json& item)
+{
+  ReportedDecision decision{
+      item.at("decision"), item.at("kind"), item.at("details"), item.at("basis"), {}};
+  if (const auto found = item.find("policy"); found != item.end())
+  {
+    decision.policy.emplace();
+    found->at("lower").get_to(decision.policy->lower);
+    found->at("upper").get_to(decision.policy->upper);
+    found->at("backups").get_to(decision.policy->backups);
+  }
+  return decision;
+}
+
+}  // namespace kr3::executive
