@@ -14,8 +14,6 @@ namespace kr3::refinement
 namespace
 {
 
-const std::string kOutside = "outside";
-
 double massOf(const pomdp::Belief& belief, const std::vector<bool>& states)
 {
   if (belief.size() != states.size())
@@ -52,6 +50,15 @@ const reasoner::State& PomdpTask::physicalState(std::size_t state) const
     throw InvalidArgument("state '" + model_.stateName(state) + "' is no physical state");
   }
   return states_[state];
+}
+
+bool PomdpTask::isExecutable(std::size_t action, std::size_t state) const
+{
+  if (kind(state) != StateKind::kPhysical)
+  {
+    return action == finishAction() && kind(state) == StateKind::kBoundary;
+  }
+  return executable_.at(action)[state];
 }
 
 double PomdpTask::successProbability(const pomdp::Belief& belief) const

@@ -1,39 +1,21 @@
 #include <algorithm>
-#include <map>
-#include <set>
-#include <unordered_map>
+#include <cmath>
+#include <iterator>
+#include <string>
 #include <utility>
 
 #include <kr3_common/error.hpp>
-#include <kr3_pomdp/model_builder.hpp>
 
 #include "kr3_refinement/pomdp_task.hpp"
 #include "prior.hpp"
 #include "semantics.hpp"
+#include "sensor_table.hpp"
+#include "transition_table.hpp"
 
 namespace kr3::refinement
 {
 namespace
 {
-
-const std::string kNoObservation = "none";
-const std::string kOutside = "outside";
-
-struct ValuesHash
-{
-  std::size_t operator()(const Values& values) const
-  {
-    std::size_t hash = values.size();
-    for (const int value : values)
-    {
-      hash = hash * 1000003U + static_cast<std::size_t>(value + 1);
-    }
-    return hash;
-  }
-};
-
-/// A distribution over observation names.
-using Told = std::map<std::string, double>;
 
 /// Names in model files have no blanks.
 std::string withoutBlanks(std::string name)
@@ -42,18 +24,28 @@ std::string withoutBlanks(std::string name)
   return name;
 }
 
-/// What two observations together tell.
-Told joined(const Told& first, const Told& second)
+/// What a reader of models.yaml has checked; models made in memory are checked here.
+/// @throws InvalidArgument  an action without a model, or probabilities that do not sum to 1
+void checkModels(const Models& models, const std::vector<GroundAction>& actions)
 {
-  Told result;
-  for (const auto& [a, p] : first)
+  for (const GroundAction& action : actions)
   {
-    for (const auto& [b, q] : second)
+    const auto model = models.actions.find(action.symbol);
+    if (model == models.actions.end())
     {
-      result[a + "," + b] += p * q;
+      throw InvalidArgument("the models have no numbers for the action '" + action.symbol + "'");
+    }
+    double total = 0.0;
+    for (const auto& [label, probability] : model->second.outcomes.probabilities)
+    {
+      total += probability;
+    }
+    if (!model->second.outcomes.probabilities.empty() && !(std::abs(total - 1.0) < 1e-6))
+    {
+      throw InvalidArgument("the probabilities of the outcomes of '" + action.symbol + "' sum to " +
+                            std::to_string(total) + ", expected 1");
     }
   }
-  return result;
 }
 
 }  // namespace
@@ -71,132 +63,31 @@ public:
                  kElsewhere)
     , states_(semantics_.states(limits.max_states))
     , actions_(semantics_.actions())
+    , boundary_(states_.size())
+    , done_(boundary_ + 1)
+    , weights_(initialWeights(domain, zoom, knowledge, semantics_, states_))
   {
-    for (std::size_t i = 0; i < states_.size(); ++i)
-    {
-      index_.emplace(states_[i], i);
-    }
-    boundary_ = states_.size();
-    done_ = boundary_ + 1;
-    weights_ = initialWeights(domain, zoom, knowledge, semantics_, states_);
+    checkModels(models, actions_);
   }
 
   PomdpTask generate()
   {
-    findOutcomes();
-    findSuccess();
-    findObservations();
-    pomdp::ModelBuilder builder(stateNames(), actionNames(), observation_names_);
-    builder.setDiscount(models_.discount);
-    std::vector<double> belief = weights_;
-    belief.resize(done_ + 1, 0.0);
-    builder.setInitialBelief(std::move(belief));
-    for (std::size_t action = 0; action < actions_.size(); ++action)
-    {
-      addAction(builder, action);
-    }
-    addFinish(builder);
-    return task(builder.build());
+    const TransitionTable table(domain_, models_, semantics_, states_, actions_);
+    findSuccess(table);
+    pomdp::ModelParts parts;
+    parts.states = stateNames();
+    parts.actions = actionNames();
+    parts.discount = models_.discount;
+    parts.initial_belief = weights_;
+    parts.initial_belief.resize(done_ + 1, 0.0);
+    addTransitions(table, parts);
+    addObservations(table, parts);
+    addRewards(table, parts);
+    return task(pomdp::Model(std::move(parts)), table);
   }
 
 private:
-  /// How one action turns out in one state.
-  struct Outcomes
-  {
-    bool executable = false;
-    std::vector<std::pair<std::size_t, double>> next;  // state, probability
-  };
-
-  [[nodiscard]] const ActionModel& model(const GroundAction& action) const
-  {
-    return models_.actions.at(action.symbol);
-  }
-
-  [[nodiscard]] std::size_t indexOf(const Values& values) const
-  {
-    const auto entry = index_.find(values);
-    if (entry == index_.end())
-    {
-      throw InternalError("a successor is no state of the zoomed description");
-    }
-    return entry->second;
-  }
-
-  void findOutcomes()
-  {
-    outcomes_.assign(actions_.size(), std::vector<Outcomes>(states_.size()));
-    for (std::size_t action = 0; action < actions_.size(); ++action)
-    {
-      for (std::size_t state = 0; state < states_.size(); ++state)
-      {
-        outcomes_[action][state] = outcomesOf(actions_[action], state);
-      }
-    }
-  }
-
-  [[nodiscard]] Outcomes outcomesOf(const GroundAction& action, std::size_t state) const
-  {
-    const std::optional<double> distance_m = distance(action, states_[state]);
-    if (!distance_m || semantics_.forbidden(states_[state], action))
-    {
-      return {false, {{state, 1.0}}};
-    }
-    const std::map<std::string, double>& probabilities = model(action).outcomes.probabilities;
-    std::map<std::size_t, double> next;
-    double total = 0.0;
-    for (const Result& result : semantics_.results(states_[state], action))
-    {
-      const double probability =
-          result.share * (result.label.empty() ? 1.0 : probabilities.at(result.label));
-      if (probability > 0.0)
-      {
-        next[result.outside ? boundary_ : indexOf(result.values)] += probability;
-        total += probability;
-      }
-    }
-    if (!(total > 0.0))
-    {
-      return {false, {{state, 1.0}}};
-    }
-    Outcomes outcomes{true, {next.begin(), next.end()}};
-    for (auto& [target, probability] : outcomes.next)
-    {
-      probability /= total;  // what outcomes that are impossible here leave over
-    }
-    return outcomes;
-  }
-
-  /// m that the action moves from a state; nothing when there is no way.
-  [[nodiscard]] std::optional<double> distance(const GroundAction& action,
-                                               const Values& state) const
-  {
-    const ActionModel& action_model = model(action);
-    if (!action_model.cost.from)
-    {
-      return 0.0;
-    }
-    std::unordered_map<std::string, std::string> arguments;
-    for (std::size_t i = 0; i < action.arguments.size(); ++i)
-    {
-      arguments.emplace(action_model.parameters[i],
-                        semantics_.vocabulary().name(action.arguments[i]));
-    }
-    reasoner::Atom from = *action_model.cost.from;
-    for (reasoner::Term& argument : from.arguments)
-    {
-      argument = {false, arguments.at(argument.name)};
-    }
-    const std::optional<std::size_t> fluent =
-        semantics_.signature().findFluent(reasoner::toString(from));
-    const std::optional<std::size_t> start =
-        fluent ? domain_.map().find(semantics_.vocabulary().name(state[*fluent])) : std::nullopt;
-    const std::optional<std::size_t> end = domain_.map().find(arguments.at(action_model.cost.to));
-    const double distance_m = start && end ? domain_.map().distance(*start, *end) : 0.0;
-    return distance_m < std::numeric_limits<double>::infinity() ? std::optional(distance_m)
-                                                                : std::nullopt;
-  }
-
-  void findSuccess()
+  void findSuccess(const TransitionTable& table)
   {
     const CoarseFluents coarse_fluents = coarseFluents(domain_, semantics_);
     success_.assign(done_ + 1, false);
@@ -209,7 +100,9 @@ private:
                coarselyHolds(effect, fluents->second, states_[state]);
       });
     }
-    findHopeless();
+    hopeless_ = table.canReach({success_.begin(), success_.begin() + boundary_ + 1});
+    hopeless_.flip();
+    hopeless_.push_back(false);  // done
   }
 
   [[nodiscard]] bool coarselyHolds(const reasoner::Literal& effect,
@@ -221,197 +114,81 @@ private:
     {
       values.push_back(domain_.coarse(semantics_.vocabulary().name(state[fluent])));
     }
-    return (coarseValue(values, isBoolean(fluents.front())) == effect.value.name) == effect.equal;
+    const bool boolean =
+        semantics_.signature().symbols()[semantics_.fluents()[fluents.front()].symbol].boolean;
+    return (coarseValue(values, boolean) == effect.value.name) == effect.equal;
   }
 
-  [[nodiscard]] bool isBoolean(std::size_t fluent) const
+  void addTransitions(const TransitionTable& table, pomdp::ModelParts& parts) const
   {
-    return semantics_.signature().symbols()[semantics_.fluents()[fluent].symbol].boolean;
-  }
-
-  /// States from which no sequence of actions leads to success.
-  void findHopeless()
-  {
-    std::vector<std::vector<std::size_t>> before(done_ + 1);
-    for (const std::vector<Outcomes>& of_action : outcomes_)
-    {
-      for (std::size_t state = 0; state < of_action.size(); ++state)
-      {
-        for (const auto& [next, probability] : of_action[state].next)
-        {
-          before[next].push_back(state);
-        }
-      }
-    }
-    hopeless_.assign(done_ + 1, true);
-    hopeless_[done_] = false;
-    std::vector<std::size_t> open;
-    for (std::size_t state = 0; state < states_.size(); ++state)
-    {
-      if (success_[state])
-      {
-        hopeless_[state] = false;
-        open.push_back(state);
-      }
-    }
-    while (!open.empty())
-    {
-      const std::size_t state = open.back();
-      open.pop_back();
-      for (const std::size_t previous : before[state])
-      {
-        if (hopeless_[previous])
-        {
-          hopeless_[previous] = false;
-          open.push_back(previous);
-        }
-      }
-    }
-  }
-
-  void findObservations()
-  {
-    std::set<std::string> seen{kNoObservation};
-    observation_names_ = {kNoObservation};
-    told_.resize(actions_.size());
+    pomdp::SharedRowsBuilder rows;
+    rows.reserve((actions_.size() + 1) * (done_ + 1));
+    const auto to = [](std::size_t state) {
+      return std::vector<pomdp::SparseEntry>{{static_cast<std::uint32_t>(state), 1.0}};
+    };
     for (std::size_t action = 0; action < actions_.size(); ++action)
     {
-      laws_.push_back(semantics_.observations(actions_[action]));
-      std::vector<bool> arrived(states_.size(), false);
       for (std::size_t state = 0; state < states_.size(); ++state)
       {
-        for (const auto& [next, probability] : outcomes_[action][state].next)
-        {
-          if (next < states_.size() && outcomes_[action][state].executable)
-          {
-            arrived[next] = true;
-          }
-        }
+        rows.append(table.outcomes(action, state).next);
       }
-      for (std::size_t state = 0; state <= boundary_; ++state)
-      {
-        told_[action].push_back(toldBy(action, state, state < boundary_ && arrived[state]));
-        for (const auto& [name, probability] : told_[action].back())
-        {
-          if (seen.insert(name).second)
-          {
-            observation_names_.push_back(name);
-          }
-        }
-      }
+      rows.append(to(boundary_));
+      rows.append(to(done_));
     }
-  }
-
-  /// @param really  the action was carried out to come here; otherwise it was impossible and
-  /// nothing was sensed
-  [[nodiscard]] Told toldBy(std::size_t action, std::size_t state, bool really) const
-  {
-    std::optional<Told> result;
-    for (const GroundObservation& law : laws_[action])
-    {
-      const std::string& fluent =
-          semantics_.signature().symbols()[semantics_.fluents()[law.fluent].symbol].name;
-      const ObservationModel& observation_model = model(actions_[action]).observations.at(fluent);
-      const bool informative = really || semantics_.affects(actions_[action], law.fluent);
-      const Told told = toldBy(law, observation_model, state, informative);
-      result = result ? joined(*result, told) : told;
-    }
-    return result ? *result : Told{{kNoObservation, 1.0}};
-  }
-
-  [[nodiscard]] Told toldBy(const GroundObservation& law, const ObservationModel& observation_model,
-                            std::size_t state, bool informative) const
-  {
-    const PhysicalFluent& fluent = semantics_.fluents()[law.fluent];
-    const int value = state == boundary_ ? Vocabulary::kNone : states_[state][law.fluent];
-    const auto yesNo = [](double yes) {
-      Told told;
-      if (yes > 0.0)
-      {
-        told["true"] = yes;
-      }
-      if (yes < 1.0)
-      {
-        told["false"] = 1.0 - yes;
-      }
-      return told;
-    };
-    if (law.value != Vocabulary::kNone)
-    {
-      const bool is_so = informative && value == law.value;
-      return yesNo(is_so ? observation_model.true_positive : observation_model.false_positive);
-    }
-    if (isBoolean(law.fluent))
-    {
-      const bool is_so = value == semantics_.signature().trueValue();
-      const bool told = informative && value != Vocabulary::kNone;
-      return yesNo(
-          told ? (is_so ? observation_model.true_positive : observation_model.false_positive)
-               : 0.5);
-    }
-    if (value == Vocabulary::kNone)
-    {
-      return {{kOutside, 1.0}};
-    }
-    Told told;
-    const auto count = static_cast<double>(fluent.values.size());
-    const double right = count < 2.0 ? 1.0 : observation_model.true_positive;
-    for (const int candidate : fluent.values)
-    {
-      const double wrong = (1.0 - right) / (count - 1.0);
-      const double probability = informative ? (candidate == value ? right : wrong) : 1.0 / count;
-      if (probability > 0.0)
-      {
-        told[semantics_.vocabulary().name(candidate)] = probability;
-      }
-    }
-    return told;
-  }
-
-  void addAction(pomdp::ModelBuilder& builder, std::size_t action)
-  {
-    const CostModel& cost = model(actions_[action]).cost;
-    for (std::size_t state = 0; state < states_.size(); ++state)
-    {
-      const Outcomes& outcomes = outcomes_[action][state];
-      for (const auto& [next, probability] : outcomes.next)
-      {
-        builder.addTransition(action, state, next, probability);
-      }
-      const double seconds =
-          outcomes.executable
-              ? cost.base_s +
-                    cost.per_metre_s * distance(actions_[action], states_[state]).value_or(0.0)
-              : cost.impossible_s;
-      builder.setReward(action, state, -seconds);
-    }
-    for (std::size_t state = 0; state <= boundary_; ++state)
-    {
-      for (const auto& [name, probability] : told_[action][state])
-      {
-        builder.addObservation(action, state, builder.observation(name), probability);
-      }
-    }
-    builder.setTransition(action, boundary_, boundary_, 1.0);
-    builder.setReward(action, boundary_, -cost.impossible_s);
-    builder.setTransition(action, done_, done_, 1.0);
-    builder.setObservation(action, done_, builder.observation(kNoObservation), 1.0);
-  }
-
-  void addFinish(pomdp::ModelBuilder& builder)
-  {
-    const std::size_t finish = actions_.size();
-    const std::size_t none = builder.observation(kNoObservation);
+    const std::vector<pomdp::SparseEntry> finished = to(done_);
     for (std::size_t state = 0; state <= done_; ++state)
     {
-      builder.setTransition(finish, state, done_, 1.0);
-      builder.setObservation(finish, state, none, 1.0);
-      const RewardModel& rewards = models_.rewards;
-      const double reward = success_[state]
-                                ? rewards.success
-                                : (hopeless_[state] ? rewards.given_up : rewards.wrong_finish);
-      builder.setReward(finish, state, state == done_ ? 0.0 : reward);
+      rows.append(finished);
     }
+    parts.transitions = rows.take();
+  }
+
+  void addObservations(const TransitionTable& table, pomdp::ModelParts& parts)
+  {
+    ObservationNames names;
+    pomdp::SharedRowsBuilder rows;
+    rows.reserve((actions_.size() + 1) * (done_ + 1));
+    const std::vector<pomdp::SparseEntry> nothing{{names.number(kNoObservation), 1.0}};
+    for (std::size_t action = 0; action < actions_.size(); ++action)
+    {
+      SensorTable sensors(semantics_, models_, actions_[action], names);
+      const std::vector<bool> arrived = table.arrivals(action);
+      for (std::size_t state = 0; state < states_.size(); ++state)
+      {
+        rows.append(sensors.row(&states_[state], arrived[state]));
+      }
+      rows.append(sensors.row(nullptr, false));
+      rows.append(nothing);
+      laws_.push_back(sensors.laws());
+    }
+    for (std::size_t state = 0; state <= done_; ++state)
+    {
+      rows.append(nothing);
+    }
+    parts.observations = names.names();
+    parts.observation_rows = rows.take();
+  }
+
+  void addRewards(const TransitionTable& table, pomdp::ModelParts& parts) const
+  {
+    parts.rewards.reserve((actions_.size() + 1) * (done_ + 1));
+    for (std::size_t action = 0; action < actions_.size(); ++action)
+    {
+      for (std::size_t state = 0; state < states_.size(); ++state)
+      {
+        parts.rewards.push_back(-table.outcomes(action, state).seconds);
+      }
+      parts.rewards.push_back(-models_.actions.at(actions_[action].symbol).cost.impossible_s);
+      parts.rewards.push_back(0.0);
+    }
+    const RewardModel& rewards = models_.rewards;
+    for (std::size_t state = 0; state <= boundary_; ++state)
+    {
+      parts.rewards.push_back(success_[state]
+                                  ? rewards.success
+                                  : (hopeless_[state] ? rewards.given_up : rewards.wrong_finish));
+    }
+    parts.rewards.push_back(0.0);
   }
 
   [[nodiscard]] std::vector<std::string> stateNames() const
@@ -456,7 +233,7 @@ private:
     return result;
   }
 
-  [[nodiscard]] PomdpTask task(pomdp::Model model) const
+  [[nodiscard]] PomdpTask task(pomdp::Model model, const TransitionTable& table) const
   {
     PomdpTask task(std::move(model), zoom_);
     for (std::size_t i = 0; i < semantics_.signature().numInertial(); ++i)
@@ -481,28 +258,55 @@ private:
     }
     for (std::size_t action = 0; action <= actions_.size(); ++action)
     {
-      const bool is_finish = action == actions_.size();
-      std::set<std::size_t> observations;
-      for (std::size_t state = 0; state <= boundary_; ++state)
-      {
-        for (const pomdp::SparseEntry& entry : task.model_.observations(action, state))
-        {
-          observations.insert(entry.index);
-        }
-      }
-      task.observations_of_.emplace_back(observations.begin(), observations.end());
-      task.action_texts_.push_back(is_finish ? "finish" : actions_[action].name);
-      task.action_symbols_.push_back(is_finish ? "finish" : actions_[action].symbol);
-      task.action_arguments_.emplace_back();
-      for (const int argument : is_finish ? std::vector<int>{} : actions_[action].arguments)
-      {
-        task.action_arguments_.back().push_back(semantics_.vocabulary().name(argument));
-      }
+      addMeaning(action, table, task);
     }
     task.success_ = success_;
     task.hopeless_ = hopeless_;
     task.coarse_fluents_ = refinement::coarseFluents(domain_, semantics_);
     return task;
+  }
+
+  /// What an action's index stands for.
+  void addMeaning(std::size_t action, const TransitionTable& table, PomdpTask& task) const
+  {
+    const bool is_finish = action == actions_.size();
+    std::vector<bool> given(task.model_.numObservations(), false);
+    for (std::size_t state = 0; state <= boundary_; ++state)
+    {
+      for (const pomdp::SparseEntry& entry : task.model_.observations(action, state))
+      {
+        given[entry.index] = true;
+      }
+    }
+    std::vector<std::size_t>& observations = task.observations_of_.emplace_back();
+    for (std::size_t observation = 0; observation < given.size(); ++observation)
+    {
+      if (given[observation])
+      {
+        observations.push_back(observation);
+      }
+    }
+    task.action_texts_.push_back(is_finish ? "finish" : actions_[action].name);
+    task.action_symbols_.push_back(is_finish ? "finish" : actions_[action].symbol);
+    std::vector<std::string>& arguments = task.action_arguments_.emplace_back();
+    std::vector<std::string>& observed = task.observed_fluents_.emplace_back();
+    std::vector<bool>& executable = task.executable_.emplace_back(states_.size(), is_finish);
+    if (is_finish)
+    {
+      return;
+    }
+    for (const int argument : actions_[action].arguments)
+    {
+      arguments.push_back(semantics_.vocabulary().name(argument));
+    }
+    for (const GroundObservation& law : laws_[action])
+    {
+      observed.push_back(semantics_.fluents()[law.fluent].name);
+    }
+    for (std::size_t state = 0; state < states_.size(); ++state)
+    {
+      executable[state] = table.outcomes(action, state).executable;
+    }
   }
 
   const LowLevelDomain& domain_;
@@ -511,14 +315,10 @@ private:
   Semantics semantics_;
   std::vector<Values> states_;
   std::vector<GroundAction> actions_;
-  std::unordered_map<Values, std::size_t, ValuesHash> index_;
-  std::size_t boundary_ = 0;
-  std::size_t done_ = 0;
+  std::size_t boundary_;
+  std::size_t done_;
   std::vector<double> weights_;
-  std::vector<std::vector<Outcomes>> outcomes_;  // [action][state]
-  std::vector<std::vector<GroundObservation>> laws_;
-  std::vector<std::vector<Told>> told_;  // [action][state], the boundary's last
-  std::vector<std::string> observation_names_;
+  std::vector<std::vector<GroundObservation>> laws_;  // of each action
   std::vector<bool> success_;
   std::vector<bool> hopeless_;
 };

@@ -18,6 +18,10 @@ namespace kr3::refinement
 
 /// The value of a fluent that lies outside the zoom: the object is not here.
 inline const std::string kElsewhere = "elsewhere";
+/// What is observed of a fluent with values, and believed of any, when it is not in the zoom.
+inline const std::string kOutside = "outside";
+/// The observation of an action that tells nothing.
+inline const std::string kNoObservation = "none";
 
 /// A distribution over values, by name.
 using Distribution = std::map<std::string, double>;
@@ -42,8 +46,8 @@ struct InitialKnowledge
 /// States: the physical (inertial) fluents of the zoomed description, and two absorbing states:
 /// `boundary` (an outcome left the zoom) and `done` (after `finish`). Actions: the ground low-level
 /// actions and `finish`. Observations: "none"; "true" and "false" for `observes f = v` and boolean
-/// fluents; the value's name for `observes f`; "outside" in the boundary for it; for an action with
-/// several observation laws these joined by ",". An immutable value.
+/// fluents; the value's name for `observes f`, or "outside" for any value that is not in the zoom;
+/// for an action with several observation laws these joined by ",". An immutable value.
 class PomdpTask
 {
 public:
@@ -90,6 +94,16 @@ public:
     return action_arguments_.at(action);
   }
 
+  /// The ground fluents that the action's observation laws are about, "loc(tb1)", in the order in
+  /// which its observations name what is told of them; none for finish.
+  [[nodiscard]] const std::vector<std::string>& observedFluents(std::size_t action) const
+  {
+    return observed_fluents_.at(action);
+  }
+  /// The action can be carried out in the state: no law forbids it, and there is a way. `finish`
+  /// can in all but the done state, nothing else in the boundary.
+  [[nodiscard]] bool isExecutable(std::size_t action, std::size_t state) const;
+
   /// The high-level action's effects hold in the state / with which probability they hold.
   [[nodiscard]] bool isSuccess(std::size_t state) const { return success_.at(state); }
   [[nodiscard]] double successProbability(const pomdp::Belief& belief) const;
@@ -129,6 +143,8 @@ private:
   std::vector<std::string> action_texts_;
   std::vector<std::string> action_symbols_;
   std::vector<std::vector<std::string>> action_arguments_;
+  std::vector<std::vector<std::string>> observed_fluents_;  // [action]
+  std::vector<std::vector<bool>> executable_;               // [action][physical state]
   std::vector<bool> success_;
   std::vector<bool> hopeless_;
   std::map<std::string, std::string> coarse_of_;  // component -> whole, of the zoom's constants
@@ -143,10 +159,10 @@ struct GeneratorLimits
 
 /// The POMDP of a zoom (DESIGN.md 4.3).
 ///
-/// @throws InvalidArgument     knowledge names an unknown fluent or value, or is no distribution
+/// @throws InvalidArgument     knowledge names an unknown fluent or value, or is no distribution;
+///                             an action without a model, or outcomes that do not sum to 1
 /// @throws FailedPrecondition  no state of the zoomed description fits the knowledge; a value is
-/// neither in the
-///                             knowledge nor in s1
+///                             neither in the knowledge nor in s1
 /// @throws ResourceExhausted   more states than the limit
 [[nodiscard]] PomdpTask generatePomdp(const LowLevelDomain& domain, const Models& models,
                                       const Zoom& zoom, const InitialKnowledge& knowledge,
