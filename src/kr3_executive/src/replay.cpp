@@ -1,0 +1,365 @@
+#include "kr3_executive/replay.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include <kr3_common/error.hpp>
+
+#include "kr3_executive/abstract_world.hpp"
+#include "kr3_executive/driver.hpp"
+#include "kr3_executive/in_process.hpp"
+#include "literal_text.hpp"
+#include "replay_peers.hpp"
+
+namespace kr3::executive
+{
+namespace
+{
+
+/// Backups of a solve of which nothing is recorded and that only time was to end.
+constexpr std::uint64_t kUnrecordedBackups = 5000;
+
+bool isSameChoice(const ReportedDecision& a, const ReportedDecision& b)
+{
+  return a.kind == b.kind && a.details == b.details;
+}
+
+/// One replay: stands between a driver and a recording. It observes the driver, and it is what the
+/// driver executes on.
+class Replayer : public MissionObserver, public LowLevelExecutor
+{
+public:
+  Replayer(const RecordedMission& mission, const ReplayOptions& options)
+    : mission_(mission)
+    , options_(options)
+    , loaded_(load(mission.domain))
+    , narrator_(loaded_.bindings.phrases(), loaded_.domain->highLevel())
+    , reasoner_(loaded_.domain->highLevel(), mission.plan, interruption_)
+    , policies_([this](const SolveBudget& budget) { return counted(budget); },
+                [this] { return isPolicyLost(); }, interruption_)
+    , driver_(
+          *loaded_.domain, loaded_.models, narrator_, reasoner_, policies_, *this, *this,
+          [this] { return now_s_; }, mission.start.config)
+    , now_s_(mission.start_s)
+  {
+    skipFactsOutside();
+  }
+
+  ReplayResult run()
+  {
+    const MissionBegun& start = mission_.start;
+    driver_.setKnowledge(start.knowledge);
+    static_cast<void>(driver_.achieve(start.goal, start.initial, start.limits, start.time_limit_s));
+    if (result_.end == ReplayEnd::kMissionEnded && !diverged_ && next_ < mission_.items.size())
+    {
+      // It ended, and the recorded one went on.
+      const auto* decision = std::get_if<ReportedDecision>(&mission_.items[next_].content);
+      add({Verdict::kDiffers, mission_.items[next_].sequence, step_, hl_action_,
+           decision == nullptr ? std::nullopt : std::make_optional(*decision), std::nullopt});
+    }
+    return std::move(result_);
+  }
+
+  void onEvent(const ReportedEvent& event) override
+  {
+    step_ = static_cast<int>(event.hl_step);
+    hl_action_ = event.hl_action;
+  }
+  void onBelief(const ReportedBelief& /*belief*/) override {}
+  void onSnapshot(const Snapshot& snapshot) override
+  {
+    step_ = snapshot.state.step;
+    hl_action_ = snapshot.state.currentAction();
+    history_step_ = currentStep(snapshot.history);
+  }
+
+  void onDecision(const ReportedDecision& decision) override
+  {
+    if (isOver())
+      return;
+    ReplayedDecision replayed{Verdict::kNew, sequence(), step_, hl_action_, {}, decision};
+    if (!diverged_)
+    {
+      if (next_ == mission_.items.size())
+      {
+        end(ReplayEnd::kRecordingEnded, "the recording ends here");
+        return;
+      }
+      if (const auto* recorded = std::get_if<ReportedDecision>(&mission_.items[next_].content))
+        replayed.recorded = *recorded;
+      const bool same = replayed.recorded && isSameChoice(*replayed.recorded, decision);
+      replayed.verdict = !same                                        ? Verdict::kDiffers
+                         : replayed.recorded->basis == decision.basis ? Verdict::kSame
+                                                                      : Verdict::kOtherBasis;
+      diverged_ = !same;
+      if (replayed.recorded)
+        consume();
+    }
+    add(std::move(replayed));
+    anticipate();
+  }
+
+  void onInput(const Input& input) override
+  {
+    if (isOver() || std::holds_alternative<MissionBegun>(input) ||
+        std::holds_alternative<SkillEnded>(input))  // taken from the recording in execute()
+      return;
+    if (const auto* told = std::get_if<FactTold>(&input); told != nullptr && !told->during_mission)
+      return;
+    if (const auto* refused = std::get_if<RequestRefused>(&input);
+        refused != nullptr && !interruption_.error)
+      result_.reason = "could not be computed here: " + refused->message;
+    interruption_.error = nullptr;
+    if (next_ < mission_.items.size())
+    {
+      const auto& content = mission_.items[next_].content;
+      if (std::holds_alternative<FactTold>(input) ? std::holds_alternative<FactTold>(content)
+                                                  : std::holds_alternative<RecordedEnd>(content))
+        consume();
+    }
+    anticipate();
+  }
+
+  LowLevelResult execute(const LowLevelAction& action, const FluentLookup& believed,
+                         const std::atomic<bool>& cancel) override
+  {
+    if (world_)
+      return world_->execute(action, believed, cancel);
+    if (diverged_)
+      skipDecisions();
+    const bool ended = next_ == mission_.items.size();
+    const RecordedItem* item = ended ? nullptr : &mission_.items[next_];
+    const auto* skill = item == nullptr ? nullptr : std::get_if<SkillEnded>(&item->content);
+    if (skill != nullptr && skill->action.text == action.text)
+    {
+      const SkillEnded recorded = *skill;
+      consume();
+      if (recorded.code != ErrorCode::kOk)
+        throwError(recorded.code, recorded.message);
+      return recorded.result;
+    }
+    if (item != nullptr && std::holds_alternative<RecordedEnd>(item->content))
+    {
+      // It was interrupted while it was executed, or before it was tried again.
+      driver_.cancel();
+      interruption_.raise();
+      throw Cancelled("as recorded");
+    }
+    if (options_.continue_with_seed)
+    {
+      enterWorld();
+      return world_->execute(action, believed, cancel);
+    }
+    if (ended && !diverged_)
+      end(ReplayEnd::kRecordingEnded, "the recording ends while " + action.text + " is executed");
+    else
+      end(ReplayEnd::kOtherAction,
+          "nothing is recorded of " + action.text +
+              (skill == nullptr ? "" : " here; the robot executed " + skill->action.text));
+    throw Cancelled("the replay ends");
+  }
+
+private:
+  static bool isDecision(const RecordedItem& item)
+  {
+    return std::holds_alternative<ReportedDecision>(item.content);
+  }
+
+  [[nodiscard]] bool isOver() const { return result_.end != ReplayEnd::kMissionEnded; }
+
+  [[nodiscard]] std::uint32_t sequence() const
+  {
+    if (mission_.items.empty())
+      return 1;
+    return next_ < mission_.items.size() ? mission_.items[next_].sequence
+                                         : mission_.items.back().sequence + 1;
+  }
+
+  void add(ReplayedDecision decision)
+  {
+    if (options_.on_decision)
+      options_.on_decision(decision);
+    result_.decisions.push_back(std::move(decision));
+  }
+
+  void end(ReplayEnd how, std::string reason)
+  {
+    result_.end = how;
+    result_.reason = std::move(reason);
+    driver_.cancel();
+  }
+
+  void consume()
+  {
+    now_s_ = std::max(now_s_, mission_.items[next_].stamp_s);
+    ++next_;
+    skipFactsOutside();
+  }
+
+  /// What was told after the mission's end is no part of it.
+  void skipFactsOutside()
+  {
+    while (next_ < mission_.items.size())
+    {
+      const auto* told = std::get_if<FactTold>(&mission_.items[next_].content);
+      if (told == nullptr || told->during_mission)
+        return;
+      ++next_;
+    }
+  }
+
+  void skipDecisions()
+  {
+    while (next_ < mission_.items.size() && isDecision(mission_.items[next_]))
+      consume();
+  }
+
+  /// Lets a fact or an interruption come from outside when it is next.
+  void anticipate()
+  {
+    if (world_)
+      return;
+    if (diverged_)
+      skipDecisions();
+    if (next_ == mission_.items.size())
+      return;
+    const auto& content = mission_.items[next_].content;
+    if (const auto* told = std::get_if<FactTold>(&content); told != nullptr && told_ != next_)
+    {
+      told_ = next_;
+      driver_.tell(told->record);
+    }
+    const auto* ended = std::get_if<RecordedEnd>(&content);
+    if (ended == nullptr)
+      return;
+    switch (ended->reason)
+    {
+      case RecordedEnd::Reason::kCancelled:
+        driver_.cancel();
+        interruption_.error = [] { throw Cancelled("as recorded"); };
+        break;
+      case RecordedEnd::Reason::kTime:
+        now_s_ = std::max(now_s_, mission_.start_s + mission_.start.time_limit_s + 1.0);
+        break;
+      case RecordedEnd::Reason::kRefused:
+        interruption_.error = [end = *ended] { throwError(end.code, end.message); };
+        break;
+    }
+  }
+
+  /// The recorded work where time ended a solve, else what was asked for without the time.
+  [[nodiscard]] SolveBudget counted(const SolveBudget& budget) const
+  {
+    SolveBudget work = budget;
+    work.time_s = 0.0;
+    if (!diverged_ && next_ < mission_.items.size())
+    {
+      const auto* decision = std::get_if<ReportedDecision>(&mission_.items[next_].content);
+      const auto& policy = decision == nullptr ? std::nullopt : decision->policy;
+      const bool timed = policy && budget.time_s > 0.0 &&
+                         (budget.max_backups == 0 || policy->backups < budget.max_backups) &&
+                         policy->upper - policy->lower > budget.precision;
+      if (timed)
+        work.max_backups = std::max<std::uint64_t>(policy->backups, 1);
+    }
+    if (work.max_backups == 0 && budget.time_s > 0.0)
+      work.max_backups = kUnrecordedBackups;
+    return work;
+  }
+
+  /// Whether the recorded policy server was asked for an action and had lost the policy, as after a
+  /// restart: then the policy was solved again there.
+  [[nodiscard]] bool isPolicyLost() const
+  {
+    if (diverged_ || next_ == mission_.items.size())
+      return false;
+    const auto* decision = std::get_if<ReportedDecision>(&mission_.items[next_].content);
+    return decision != nullptr && decision->policy.has_value();
+  }
+
+  /// From what the robot knows now; the rest is as told in the options, or drawn.
+  void enterWorld()
+  {
+    FluentValues coarse;
+    const auto set = [&coarse](const std::string& text) {
+      const LiteralText literal = takeApart(text);
+      if (literal.equal)
+        coarse[literal.fluent()] = literal.value;
+    };
+    for (const auto& literal : reasoner_.entailedAt(history_step_))
+      set(literal);
+    for (const auto& truth : options_.truths)
+      set(reasoner::toString(reasoner::parseGroundLiteral(truth, loaded_.domain->highLevel())));
+    world_ = std::make_unique<AbstractWorld>(*loaded_.domain, loaded_.models,
+                                             *options_.continue_with_seed);
+    world_->reset(coarse);
+    diverged_ = true;
+    next_ = mission_.items.size();
+  }
+
+  const RecordedMission& mission_;
+  const ReplayOptions& options_;
+  LoadedDomain loaded_;
+  Narrator narrator_;
+  Interruption interruption_;
+  InterruptedReasoner reasoner_;
+  ReplayedPolicies policies_;
+  MissionDriver driver_;
+  std::unique_ptr<AbstractWorld> world_;  // once the recording is left
+
+  double now_s_;
+  std::size_t next_ = 0;  // item of the recording
+  std::optional<std::size_t> told_;
+  bool diverged_ = false;  // after the first other choice
+  int step_ = 0;
+  int history_step_ = 0;
+  std::string hl_action_;
+  ReplayResult result_;
+};
+
+}  // namespace
+
+const char* toString(Verdict verdict)
+{
+  switch (verdict)
+  {
+    case Verdict::kSame:
+      return "same";
+    case Verdict::kOtherBasis:
+      return "other numbers";
+    case Verdict::kDiffers:
+      return "differs";
+    case Verdict::kNew:
+      return "new";
+  }
+  return "unknown";
+}
+
+bool ReplayResult::isSame() const
+{
+  return firstDifference() == nullptr;
+}
+
+const ReplayedDecision* ReplayResult::firstDifference() const
+{
+  const auto found = std::find_if(decisions.begin(), decisions.end(), [](const auto& decision) {
+    return decision.verdict != Verdict::kSame;
+  });
+  return found == decisions.end() ? nullptr : &*found;
+}
+
+const ReplayedDecision* ReplayResult::firstOtherChoice() const
+{
+  const auto found = std::find_if(decisions.begin(), decisions.end(), [](const auto& decision) {
+    return decision.verdict == Verdict::kDiffers || decision.verdict == Verdict::kNew;
+  });
+  return found == decisions.end() ? nullptr : &*found;
+}
+
+ReplayResult replay(const RecordedMission& mission, const ReplayOptions& options)
+{
+  return Replayer(mission, options).run();
+}
+
+}  // namespace kr3::executive
