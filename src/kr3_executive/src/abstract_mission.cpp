@@ -1,7 +1,9 @@
 #include "kr3_executive/abstract_mission.hpp"
 
+#include <exception>
 #include <filesystem>
 #include <functional>
+#include <thread>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -62,7 +64,7 @@ AbstractMissions::AbstractMissions(const std::string& directory, AbstractMission
       std::filesystem::exists(map_file) ? refinement::readComponentMap(map_file.string())
                                         : gridOf(high_level, refined, config_));
   models_ = refinement::readModels((path / "models.yaml").string(), domain_->description());
-  bindings_ = Bindings::read((path / "bindings.yaml").string(), domain_->description());
+  bindings_ = Bindings::read((path / config_.bindings).string(), domain_->description());
   if (std::filesystem::exists(path / "scenario.yaml"))
     scenario_ = readScenario((path / "scenario.yaml").string(), high_level);
 }
@@ -79,31 +81,82 @@ std::string AbstractMissions::targetFluent(const std::string& goal) const
 TrialResult AbstractMissions::run(const std::string& goal, const std::vector<std::string>& truths,
                                   std::uint64_t seed, MissionObserver& observer)
 {
-  const auto formula = reasoner::parseGoal(goal, domain_->highLevel());
+  MissionSetup setup{goal, truths, seed, scenario_.initial_records, config_.driver.limits};
+  return run(setup, observer);
+}
+
+TrialResult AbstractMissions::run(const MissionSetup& setup, MissionObserver& observer,
+                                  const ExecutorOf& executor)
+{
+  const auto formula = reasoner::parseGoal(setup.goal, domain_->highLevel());
   InProcessReasoner reasoner(domain_->highLevel(), config_.plan);
-  reasoner.setHistory(scenario_.initial_records);
-  FluentValues start;
-  const auto add = [&start](const std::string& text) {
+  reasoner.setHistory(setup.initial_records);
+  FluentValues coarse;
+  FluentValues fine;
+  const auto add = [](const std::string& text, FluentValues& values) {
     const LiteralText literal = takeApart(text);
     if (literal.equal)
-      start[literal.fluent()] = literal.value;
+      values[literal.fluent()] = literal.value;
   };
   for (const auto& literal : reasoner.entailedAt(0))
-    add(literal);
-  for (const auto& truth : truths)
-    add(reasoner::toString(reasoner::parseGroundLiteral(truth, domain_->highLevel())));
+    add(literal, coarse);
+  for (const auto& truth : setup.truths)
+  {
+    if (const auto literal = lowLevelLiteral(truth))
+      add(*literal, fine);
+    else
+      add(reasoner::toString(reasoner::parseGroundLiteral(truth, domain_->highLevel())), coarse);
+  }
   reasoner.setHistory({});
 
-  AbstractWorld world(*domain_, models_, seed);
-  world.reset(start);
+  AbstractWorld world(*domain_, models_, setup.seed);
+  world.setNoise(setup.noise);
+  world.reset(coarse, fine);
   const Narrator narrator(bindings_.phrases(), domain_->highLevel());
+  MissionDriver* told = nullptr;
+  std::unique_ptr<LowLevelExecutor> between;
+  if (executor)
+  {
+    between = executor(world, [&told](const reasoner::Record& record) {
+      // From a thread of its own, as a person tells: the mission's own thread holds its lock.
+      std::exception_ptr refused;
+      std::thread person([&] {
+        try
+        {
+          told->tell(record);
+        }
+        catch (const std::exception&)
+        {
+          refused = std::current_exception();
+        }
+      });
+      person.join();
+      if (refused)
+        std::rethrow_exception(refused);
+    });
+  }
+  LowLevelExecutor& acting = between ? *between : world;
   MissionDriver driver(
-      *domain_, models_, narrator, reasoner, policies_, world, observer,
+      *domain_, models_, narrator, reasoner, policies_, acting, observer,
       [&world] { return world.now(); }, config_.driver);
+  told = &driver;
   TrialResult result;
-  result.mission = driver.achieve(goal, scenario_.initial_records, config_.driver.limits, 0.0);
+  result.mission = driver.achieve(setup.goal, setup.initial_records, setup.limits, 0.0);
   result.goal_is_true = world.holds(formula);
+  result.history = driver.knowledge().history;
   return result;
+}
+
+std::optional<std::string> AbstractMissions::lowLevelLiteral(const std::string& text) const
+{
+  try
+  {
+    return reasoner::toString(reasoner::parseGroundLiteral(text, domain_->description()));
+  }
+  catch (const InvalidArgument&)
+  {
+    return std::nullopt;
+  }
 }
 
 }  // namespace kr3::executive

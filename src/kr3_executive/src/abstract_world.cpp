@@ -67,7 +67,7 @@ std::size_t AbstractWorld::anyOf(std::size_t count)
   return std::uniform_int_distribution<std::size_t>(0, count - 1)(random_);
 }
 
-void AbstractWorld::reset(const FluentValues& coarse)
+void AbstractWorld::reset(const FluentValues& coarse, const FluentValues& fine)
 {
   const auto& description = domain_.description();
   const std::vector<reasoner::Atom> fluents = inertialFluents(description);
@@ -78,6 +78,11 @@ void AbstractWorld::reset(const FluentValues& coarse)
     {
       const std::string name = reasoner::toString(atom);
       const auto* declared = description.findFluent(atom.name);
+      if (const auto fixed = fine.find(name); fixed != fine.end())
+      {
+        state[name] = fixed->second;
+        continue;
+      }
       // A fluent of a component is given by that of its whole.
       reasoner::Atom whole = atom;
       for (auto& argument : whole.arguments)
@@ -140,9 +145,11 @@ std::string AbstractWorld::observe(const LowLevelAction& action, const std::stri
   if (!asked.empty() || !declared->value_sort)
   {
     const bool is_so = truth == (asked.empty() ? "true" : asked);
+    if (!noise_)
+      return is_so ? "true" : "false";
     return chance(is_so ? model.true_positive : model.false_positive) ? "true" : "false";
   }
-  if (chance(model.true_positive))
+  if (!noise_ || chance(model.true_positive))
     return truth;
   std::vector<std::string> others;
   for (const auto& value : domain_.description().findSort(*declared->value_sort)->elements)
@@ -153,9 +160,40 @@ std::string AbstractWorld::observe(const LowLevelAction& action, const std::stri
   return others.empty() ? truth : others[anyOf(others.size())];
 }
 
+std::size_t AbstractWorld::chooseOutcome(const LowLevelAction& action,
+                                         const std::vector<std::string>& labels,
+                                         const Disturbance& disturbance)
+{
+  if (disturbance.outcome)
+  {
+    const auto forced = std::find(labels.begin(), labels.end(), *disturbance.outcome);
+    if (forced == labels.end())
+    {
+      throw InvalidArgument("outcome '" + *disturbance.outcome + "' of " + action.text +
+                            ", possible now: " + listed(labels));
+    }
+    return static_cast<std::size_t>(forced - labels.begin());
+  }
+  const auto& probabilities = models_.actions.at(action.symbol).outcomes.probabilities;
+  std::vector<double> weights;
+  for (const auto& label : labels)
+    weights.push_back(probabilities.at(label));
+  if (!noise_)
+  {
+    return static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) -
+                                    weights.begin());
+  }
+  return std::discrete_distribution<std::size_t>(weights.begin(), weights.end())(random_);
+}
+
 LowLevelResult AbstractWorld::execute(const LowLevelAction& action,
                                       const FluentLookup& /*believed*/,
                                       const std::atomic<bool>& /*cancel*/)
+{
+  return execute(action, Disturbance{});
+}
+
+LowLevelResult AbstractWorld::execute(const LowLevelAction& action, const Disturbance& disturbance)
 {
   reasoner::Atom atom{action.symbol, {}, {}};
   for (const auto& argument : action.arguments)
@@ -167,20 +205,37 @@ LowLevelResult AbstractWorld::execute(const LowLevelAction& action,
     result.outcome = "impossible";
     result.duration_s = model.cost.impossible_s;
   }
+  else if (disturbance.blocked)
+  {
+    result.outcome = disturbance.outcome.value_or("blocked");
+    result.duration_s = model.cost.impossible_s;
+  }
   else
   {
     result.duration_s = durationOf(action);
     const OutcomeChooser chooser{[&](const std::string&, const std::vector<std::string>& labels) {
-      std::vector<double> weights;
-      for (const auto& label : labels)
-        weights.push_back(model.outcomes.probabilities.at(label));
-      return std::discrete_distribution<std::size_t>(weights.begin(), weights.end())(random_);
+      return chooseOutcome(action, labels, disturbance);
                                  },
                                  [&](std::size_t count) { return anyOf(count); }};
     state_ = laws_.successor(state_, atom, chooser, &result.outcome);
+    if (disturbance.outcome && result.outcome != *disturbance.outcome)
+      throw InvalidArgument("outcome '" + *disturbance.outcome + "' of " + action.text +
+                            " is not possible now");
   }
-  for (const auto& observed : observedFluents(domain_.description(), action))
-    result.observation.push_back(observe(action, observed.fluent, observed.value));
+  if (!disturbance.becomes.empty())
+    impose(disturbance.becomes);
+  const auto laws = observedFluents(domain_.description(), action);
+  if (!disturbance.observation.empty() && disturbance.observation.size() != laws.size())
+  {
+    throw InvalidArgument(std::to_string(disturbance.observation.size()) + " observations of " +
+                          action.text + ", expected " + std::to_string(laws.size()));
+  }
+  for (std::size_t i = 0; i < laws.size(); ++i)
+  {
+    result.observation.push_back(disturbance.observation.empty()
+                                     ? observe(action, laws[i].fluent, laws[i].value)
+                                     : disturbance.observation[i]);
+  }
   now_s_ += result.duration_s;
   return result;
 }

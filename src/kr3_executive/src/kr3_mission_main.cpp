@@ -1,5 +1,7 @@
-/// kr3_mission: whole missions in the abstract simulator. Needs no ROS.
+/// kr3_mission: whole missions in the abstract simulator, free ones and scripted ones. Needs no
+/// ROS.
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -17,6 +19,7 @@
 #include <kr3_refinement/low_level_domain.hpp>
 
 #include "kr3_executive/abstract_mission.hpp"
+#include "kr3_executive/script_runner.hpp"
 
 namespace
 {
@@ -48,6 +51,7 @@ struct Options
   std::uint64_t trials = 1;
   std::string target_at;
   std::vector<std::string> truths;
+  std::vector<std::string> scripts;
   AbstractMissionConfig mission;
   bool quiet = false;
 };
@@ -57,9 +61,11 @@ bool parse(int argc, char** argv, Options& options, int& status)
 {
   CLI::App app{"Runs missions of a domain in the abstract simulator."};
   app.option_defaults()->always_capture_default();
-  app.add_option("DOMAIN_DIR", options.domain,
-                 "directory with domain.kr3, refinement.kr3, models.yaml, bindings.yaml")
-      ->required();
+  auto* domain = app.add_option("DOMAIN_DIR", options.domain,
+                                "directory with domain.kr3, refinement.kr3, models.yaml, "
+                                "bindings.yaml; a script's own by default");
+  auto* script = app.add_option("--script", options.scripts,
+                                "mission script, or a directory of them; prints PASS or FAIL");
   app.add_option("--goal", options.goal, "formula; default: that of scenario.yaml");
   app.add_option("--seed", options.seed, "of the first trial; the others count on");
   app.add_option("--trials", options.trials)->check(CLI::PositiveNumber);
@@ -74,10 +80,17 @@ bool parse(int argc, char** argv, Options& options, int& status)
   app.add_option("--solve-time", options.mission.driver.budget.time_s,
                  "s of the solver, 0 = no limit");
   app.add_option("--default-probability", options.mission.driver.default_probability);
+  app.add_option("--bindings", options.mission.bindings, "file in DOMAIN_DIR");
   app.add_flag("--quiet", options.quiet, "print the summary only");
+  for (const char* name :
+       {"--goal", "--seed", "--trials", "--target-at", "--true", "--cells-per-place",
+        "--max-backups", "--solve-time", "--default-probability", "--bindings"})
+    script->excludes(app.get_option(name));  // a script says all of it
   try
   {
     app.parse(argc, argv);
+    if (domain->count() == 0 && script->count() == 0)
+      throw CLI::RequiredError("DOMAIN_DIR or --script");
   }
   catch (const CLI::ParseError& error)
   {
@@ -127,6 +140,53 @@ int run(const Options& options)
   return achieved == options.trials ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
+/// The files that are meant: a directory stands for its *.yaml files, in the order of their names.
+std::vector<std::string> scriptFiles(const std::vector<std::string>& given)
+{
+  namespace fs = std::filesystem;
+  std::vector<std::string> files;
+  for (const auto& name : given)
+  {
+    if (!fs::is_directory(name))
+    {
+      files.push_back(name);
+      continue;
+    }
+    std::vector<std::string> found;
+    for (const auto& entry : fs::directory_iterator(name))
+    {
+      if (entry.path().extension() == ".yaml")
+        found.push_back(entry.path().string());
+    }
+    if (found.empty())
+      throw kr3::InvalidArgument("no *.yaml in '" + name + "'");
+    std::sort(found.begin(), found.end());
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  return files;
+}
+
+int runScripts(const Options& options)
+{
+  namespace fs = std::filesystem;
+  ScriptRunner runner(options.domain);
+  Printer printer(options.quiet);
+  std::size_t passed = 0;
+  const std::vector<std::string> files = scriptFiles(options.scripts);
+  for (const auto& file : files)
+  {
+    const ScriptReport report = runner.run(file, printer);
+    passed += report.passed() ? 1 : 0;
+    std::cout << (report.passed() ? "PASS  " : "FAIL  ") << fs::path(file).filename().string()
+              << ": " << report.script.name << "\n";
+    for (const auto& difference : report.differences)
+      std::cout << "      " << difference << "\n";
+  }
+  if (files.size() > 1)
+    std::cout << passed << " of " << files.size() << " scripts passed\n";
+  return passed == files.size() ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
 }  // namespace
 
 int main(int argc, char** argv)
@@ -137,7 +197,7 @@ int main(int argc, char** argv)
     return status;
   try
   {
-    return run(options);
+    return options.scripts.empty() ? run(options) : runScripts(options);
   }
   catch (const std::exception& error)
   {

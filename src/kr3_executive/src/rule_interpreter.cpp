@@ -443,6 +443,22 @@ FluentValues RuleInterpreter::successor(const FluentValues& state, const Atom& a
   return next;
 }
 
+FluentValues RuleInterpreter::imposed(const FluentValues& state, const FluentValues& values) const
+{
+  FluentValues next = state;
+  std::map<std::string, bool> caused;
+  std::string given;
+  for (const auto& [fluent, value] : values)
+  {
+    next[fluent] = value;
+    caused[fluent] = true;
+    given += (given.empty() ? "" : ", ") + fluent + " = " + value;
+  }
+  if (!applyConstraints(next, caused, false))
+    throw InvalidArgument(given + " contradicts the state constraints of the state it is set in");
+  return next;
+}
+
 bool RuleInterpreter::holds(const FluentValues& state, const Literal& literal) const
 {
   const FluentValues complete = withDefined(state);

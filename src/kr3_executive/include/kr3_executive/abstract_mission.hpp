@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,13 +27,32 @@ struct AbstractMissionConfig
   /// Components of each magnified element where the domain has no map.yaml.
   std::size_t components_per_whole = 4;
   double pitch_m = 2.0;
+  std::string bindings = "bindings.yaml";  ///< file in the domain's directory
 };
 
 struct TrialResult
 {
   MissionResult mission;
-  bool goal_is_true = false;  ///< in the world
+  bool goal_is_true = false;              ///< in the world
+  std::vector<reasoner::Record> history;  ///< at the end
 };
+
+/// One mission to run. Aggregate.
+struct MissionSetup
+{
+  std::string goal;
+  /// Literals that are true in the world: `f = v`, `f` or `-f` of the high level or of the low one.
+  std::vector<std::string> truths;
+  std::uint64_t seed = 1;
+  std::vector<reasoner::Record> initial_records;  ///< told when the mission starts
+  Limits limits;
+  bool noise = true;  ///< chances as in the models; without, all goes as it should
+};
+
+/// What stands between the mission and the world, such as a script; `tell` takes what a person
+/// says.
+using ExecutorOf = std::function<std::unique_ptr<LowLevelExecutor>(
+    AbstractWorld& world, std::function<void(const reasoner::Record&)> tell)>;
 
 /// Missions of one domain in the abstract simulator, all in process. Policies are cached from trial
 /// to trial; nothing else is carried over. Not thread-safe.
@@ -55,7 +76,14 @@ public:
   TrialResult run(const std::string& goal, const std::vector<std::string>& truths,
                   std::uint64_t seed, MissionObserver& observer);
 
+  /// The same with everything given. @param executor  none: the world itself
+  TrialResult run(const MissionSetup& setup, MissionObserver& observer,
+                  const ExecutorOf& executor = {});
+
 private:
+  /// The literal as the low level writes it; none when it is not one of the low level.
+  [[nodiscard]] std::optional<std::string> lowLevelLiteral(const std::string& text) const;
+
   AbstractMissionConfig config_;
   std::unique_ptr<refinement::LowLevelDomain> domain_;
   refinement::Models models_;

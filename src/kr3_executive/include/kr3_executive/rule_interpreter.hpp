@@ -48,6 +48,11 @@ public:
                                        const OutcomeChooser& chooser,
                                        std::string* label = nullptr) const;
 
+  /// The state after something outside gave fluents these values, with what the state constraints
+  /// make of it.
+  /// @throws InvalidArgument  the values contradict the state constraints
+  [[nodiscard]] FluentValues imposed(const FluentValues& state, const FluentValues& values) const;
+
   /// Whether a ground literal holds.
   [[nodiscard]] bool holds(const FluentValues& state, const reasoner::Literal& literal) const;
   [[nodiscard]] bool holds(const FluentValues& state, const reasoner::Formula& formula) const;
