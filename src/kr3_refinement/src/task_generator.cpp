@@ -290,6 +290,7 @@ private:
     task.action_symbols_.push_back(is_finish ? "finish" : actions_[action].symbol);
     std::vector<std::string>& arguments = task.action_arguments_.emplace_back();
     std::vector<std::string>& observed = task.observed_fluents_.emplace_back();
+    std::vector<bool>& feedback = task.feedback_.emplace_back();
     std::vector<bool>& executable = task.executable_.emplace_back(states_.size(), is_finish);
     if (is_finish)
     {
@@ -302,6 +303,7 @@ private:
     for (const GroundObservation& law : laws_[action])
     {
       observed.push_back(semantics_.fluents()[law.fluent].name);
+      feedback.push_back(semantics_.affects(actions_[action], law.fluent));
     }
     for (std::size_t state = 0; state < states_.size(); ++state)
     {

@@ -100,6 +100,12 @@ public:
   {
     return observed_fluents_.at(action);
   }
+  /// Of each of them, whether a law lets the action change it: what is told is feedback then, and
+  /// true even of an attempt that is impossible. Shape [observedFluents(action)].
+  [[nodiscard]] const std::vector<bool>& isFeedback(std::size_t action) const
+  {
+    return feedback_.at(action);
+  }
   /// The action can be carried out in the state: no law forbids it, and there is a way. `finish`
   /// can in all but the done state, nothing else in the boundary.
   [[nodiscard]] bool isExecutable(std::size_t action, std::size_t state) const;
@@ -144,6 +150,7 @@ private:
   std::vector<std::string> action_symbols_;
   std::vector<std::vector<std::string>> action_arguments_;
   std::vector<std::vector<std::string>> observed_fluents_;  // [action]
+  std::vector<std::vector<bool>> feedback_;                 // [action][observed fluent]
   std::vector<std::vector<bool>> executable_;               // [action][physical state]
   std::vector<bool> success_;
   std::vector<bool> hopeless_;
