@@ -154,7 +154,8 @@ private:
     std::set<std::string> labels;
     for (const Outcome& outcome : law.outcomes)
     {
-      if (law.outcomes.size() > 1 && !labels.insert(outcome.label).second)
+      if (law.outcomes.size() > 1 &&
+          (!labels.insert(outcome.label).second || outcome.label.empty()))
       {
         report(
             law.position,

@@ -12,6 +12,7 @@
 #include "grammar.hpp"
 #include "ground_phrases.hpp"
 #include "predicate_form.hpp"
+#include "refinement_signature.hpp"
 #include "text.hpp"
 #include "text_file.hpp"
 
@@ -28,57 +29,6 @@ const Declaration* find(const std::vector<Declaration>& declarations, const std:
       std::find_if(declarations.begin(), declarations.end(),
                    [&](const Declaration& declaration) { return declaration.name == name; });
   return found == declarations.end() ? nullptr : &*found;
-}
-
-/// The signature that a refinement's axioms use: the base's, with each magnified sort replaced by
-/// its components, and a component of each coarse element where the refinement does not name any.
-Description fineSignature(const Description& refinement, const Description& base)
-{
-  Description merged = refinement;
-  std::map<std::string, std::string> fine_of;
-  for (const Sort& sort : base.sorts)
-  {
-    merged.sorts.push_back(sort);
-  }
-  for (const Magnification& magnification : refinement.magnifications)
-  {
-    fine_of[magnification.coarse] = magnification.fine;
-    if (merged.findSort(magnification.fine) == nullptr)
-    {
-      merged.sorts.push_back(
-          {magnification.fine, {"some_" + magnification.fine}, {}, magnification.position});
-    }
-    if (merged.findFluent(magnification.component_static) == nullptr)
-    {
-      merged.fluents.push_back({magnification.component_static,
-                                FluentKind::kStatic,
-                                {magnification.fine},
-                                magnification.coarse,
-                                magnification.position});
-    }
-  }
-  const auto refine = [&](std::string& sort) {
-    const auto found = fine_of.find(sort);
-    if (found != fine_of.end())
-    {
-      sort = found->second;
-    }
-  };
-  for (FluentDeclaration fluent : base.fluents)
-  {
-    std::for_each(fluent.argument_sorts.begin(), fluent.argument_sorts.end(), refine);
-    if (fluent.value_sort)
-    {
-      refine(*fluent.value_sort);
-    }
-    merged.fluents.push_back(std::move(fluent));
-  }
-  for (ActionDeclaration action : base.actions)
-  {
-    std::for_each(action.argument_sorts.begin(), action.argument_sorts.end(), refine);
-    merged.actions.push_back(std::move(action));
-  }
-  return merged;
 }
 
 void append(std::vector<Diagnostic>& problems, std::vector<Diagnostic> more)
@@ -219,7 +169,7 @@ Description parseRefinement(const std::string& text, const std::string& file,
   }
   rewritePredicateForm(refinement, &base, builder.totalities, problems);
   checkPartialFunctions(refinement, base, problems);
-  Description merged = fineSignature(refinement, base);
+  Description merged = fineSignature(refinement, base, problems);
   append(problems, check(merged));
   throwIfAny(std::move(problems));
   for (Sort& sort : refinement.sorts)

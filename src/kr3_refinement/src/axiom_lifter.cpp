@@ -21,8 +21,11 @@ using reasoner::Term;
 AxiomLifter::AxiomLifter(const reasoner::Description& high_level,
                          const std::vector<Magnification>& magnifications,
                          const std::set<std::string>& magnified_sorts,
-                         const std::map<std::string, std::string>& fine_sorts)
-  : high_level_(high_level), magnified_sorts_(magnified_sorts), fine_sorts_(fine_sorts)
+                         const std::map<std::string, std::string>& fine_sorts, Problems& problems)
+  : high_level_(high_level)
+  , magnified_sorts_(magnified_sorts)
+  , fine_sorts_(fine_sorts)
+  , problems_(problems)
 {
   for (const Magnification& magnification : magnifications)
   {
@@ -41,8 +44,7 @@ const Magnification* AxiomLifter::magnificationOf(const std::string& constant) c
 
 void AxiomLifter::report(const reasoner::SourcePosition& position, const std::string& message)
 {
-  problems_.push_back(position.file + ":" + std::to_string(position.line) + ":" +
-                      std::to_string(position.column) + ": " + message);
+  problems_.add(position, message);
 }
 
 /// One law while it is lifted: its fine variables, and the conditions that lifting adds.

@@ -7,6 +7,8 @@
 
 #include <kr3_reasoner/language.hpp>
 
+#include "problems.hpp"
+
 namespace kr3::refinement
 {
 
@@ -20,17 +22,15 @@ class AxiomLifter
 {
 public:
   /// @param magnified_sorts  sorts of the high level that are magnified or contain a magnified one
+  /// @param problems         receives what cannot be lifted
   AxiomLifter(const reasoner::Description& high_level,
               const std::vector<reasoner::Magnification>& magnifications,
               const std::set<std::string>& magnified_sorts,
-              const std::map<std::string, std::string>& fine_sorts);
+              const std::map<std::string, std::string>& fine_sorts, Problems& problems);
 
   [[nodiscard]] reasoner::CausalLaw lifted(const reasoner::CausalLaw& law);
   [[nodiscard]] reasoner::StateConstraint lifted(const reasoner::StateConstraint& law);
   [[nodiscard]] reasoner::Executability lifted(const reasoner::Executability& law);
-
-  /// What could not be lifted: "file:line:column: message".
-  [[nodiscard]] const std::vector<std::string>& problems() const { return problems_; }
 
 private:
   class Law;
@@ -46,7 +46,7 @@ private:
   const std::set<std::string>& magnified_sorts_;
   const std::map<std::string, std::string>& fine_sorts_;
   std::map<std::string, const reasoner::Magnification*> magnified_constants_;
-  std::vector<std::string> problems_;
+  Problems& problems_;
 };
 
 }  // namespace kr3::refinement

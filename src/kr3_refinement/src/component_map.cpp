@@ -1,9 +1,12 @@
 #include "kr3_refinement/component_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include <kr3_common/error.hpp>
+
+#include "problems.hpp"
 
 namespace kr3::refinement
 {
@@ -11,53 +14,93 @@ namespace kr3::refinement
 ComponentMap::ComponentMap(ComponentMapData data) : data_(std::move(data))
 {
   const std::size_t count = data_.components.size();
-  for (std::size_t i = 0; i < count; ++i)
-  {
-    const Component& component = data_.components[i];
-    if (component.name.empty() || component.part_of.empty())
-    {
-      throw InvalidArgument("component " + std::to_string(i) +
-                            " of the map has no name, or is part of nothing");
-    }
-    if (!index_.emplace(component.name, i).second)
-    {
-      throw InvalidArgument("the map has two components named '" + component.name + "'");
-    }
-  }
   if (data_.neighbors.empty())
   {
     data_.neighbors.resize(count);
   }
+  has_distances_ = count == 0 || !data_.distances_m.empty();
   if (data_.distances_m.empty())
   {
     data_.distances_m.assign(count * count, 0.0);
   }
   if (data_.neighbors.size() != count || data_.distances_m.size() != count * count)
   {
-    throw InvalidArgument("a map of " + std::to_string(count) + " components has neighbours of " +
+    throw InvalidArgument(data_.source + ": a map of " + std::to_string(count) +
+                          " components has neighbours of " +
                           std::to_string(data_.neighbors.size()) + " and " +
                           std::to_string(data_.distances_m.size()) + " distances, expected " +
                           std::to_string(count) + " and " + std::to_string(count * count));
   }
+  Problems problems;
+  checkNames(problems);
+  problems.throwIfAny();
   for (std::size_t i = 0; i < count; ++i)
   {
-    for (const std::size_t neighbor : data_.neighbors[i])
+    checkNeighbors(i, problems);
+    checkDistances(i, problems);
+  }
+  problems.throwIfAny();
+}
+
+void ComponentMap::checkNames(Problems& problems)
+{
+  for (std::size_t i = 0; i < size(); ++i)
+  {
+    const Component& component = data_.components[i];
+    const reasoner::SourcePosition at{data_.source, component.line, 0};
+    if (component.name.empty() || component.part_of.empty())
     {
-      if (neighbor >= count)
-      {
-        throw InvalidArgument("'" + data_.components[i].name + "' has neighbour " +
-                              std::to_string(neighbor) + " of " + std::to_string(count));
-      }
+      problems.add(
+          at, "component " + std::to_string(i) + " of the map has no name, or is part of nothing");
+      continue;
     }
-    for (std::size_t j = 0; j < count; ++j)
+    const auto [first, is_new] = index_.emplace(component.name, i);
+    const Component& other = data_.components[first->second];
+    if (!is_new)
     {
-      const double value = distance(i, j);
-      if (std::isnan(value) || value < 0.0)
-      {
-        throw InvalidArgument("the distance from '" + data_.components[i].name + "' to '" +
-                              data_.components[j].name + "' is " + std::to_string(value) +
-                              ", expected a length in m or infinity");
-      }
+      problems.add(at, "the map has two components named '" + component.name + "', parts of '" +
+                           other.part_of + "' and of '" + component.part_of +
+                           "'; a component is part of one whole, rename or leave one of them");
+    }
+  }
+}
+
+void ComponentMap::checkNeighbors(std::size_t component, Problems& problems) const
+{
+  const Component& from = data_.components[component];
+  const reasoner::SourcePosition at{data_.source, from.line, 0};
+  for (const std::size_t neighbor : data_.neighbors[component])
+  {
+    if (neighbor >= size())
+    {
+      problems.add(at, "'" + from.name + "' has neighbour " + std::to_string(neighbor) + " of " +
+                           std::to_string(size()));
+      continue;
+    }
+    const std::vector<std::size_t>& back = data_.neighbors[neighbor];
+    if (neighbor == component)
+    {
+      problems.add(at, "'" + from.name + "' is its own neighbour; leave that out");
+    }
+    else if (std::find(back.begin(), back.end(), component) == back.end())
+    {
+      problems.add(at, "'" + data_.components[neighbor].name + "' is a neighbour of '" + from.name +
+                           "', but not the other way round; expected both");
+    }
+  }
+}
+
+void ComponentMap::checkDistances(std::size_t component, Problems& problems) const
+{
+  const Component& from = data_.components[component];
+  for (std::size_t j = 0; j < size(); ++j)
+  {
+    const double value = distance(component, j);
+    if (std::isnan(value) || value < 0.0)
+    {
+      problems.add({data_.source, from.line, 0},
+                   "the distance from '" + from.name + "' to '" + data_.components[j].name +
+                       "' is " + std::to_string(value) + ", expected a length in m or infinity");
     }
   }
 }

@@ -1,14 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
+#include <optional>
 #include <unordered_map>
-
-#include <yaml-cpp/yaml.h>
-
-#include <kr3_common/error.hpp>
+#include <utility>
 
 #include "kr3_refinement/component_map.hpp"
+#include "yaml_file.hpp"
 
 namespace kr3::refinement
 {
@@ -24,159 +21,168 @@ struct Point
 class MapReader
 {
 public:
-  explicit MapReader(std::string file) : file_(std::move(file)) {}
+  explicit MapReader(YamlFile& file) : file_(file) {}
 
-  ComponentMap read(const YAML::Node& root)
+  ComponentMap read()
   {
-    checkKeys(root, "the map", {"components", "neighbors", "facts"});
-    stopOnProblems();
-    const YAML::Node components = root["components"];
-    if (!components.IsDefined() || !components.IsSequence())
+    const YAML::Node& root = file_.root();
+    if (file_.checkMap(root, "the map", {"components", "neighbors", "facts"}))
     {
-      report(root, "found no list 'components', expected entries as '{name: m1, part_of: d1}'");
-      stopOnProblems();
-    }
-    for (const YAML::Node& node : components)
-    {
-      readComponent(node);
-    }
-    data_.neighbors.resize(data_.components.size());
-    for (const YAML::Node& node : root["neighbors"])
-    {
-      readNeighbors(node);
-    }
-    for (const YAML::Node& node : root["facts"])
-    {
-      data_.facts.push_back(text(node, "a fact"));
-    }
-    stopOnProblems();
-    if (!points_.empty())
-    {
-      for (const Point& a : points_)
+      readComponents(root);
+      for (const YAML::Node& node : list(root, "neighbors", "[[m1, m2], ...]"))
       {
-        for (const Point& b : points_)
-        {
-          data_.distances_m.push_back(std::hypot(a.x_m - b.x_m, a.y_m - b.y_m));
-        }
+        readNeighbors(node);
+      }
+      for (const YAML::Node& node : list(root, "facts", "[\"heavy(m1)\", ...]"))
+      {
+        data_.facts.push_back(text(node, "a fact"));
       }
     }
+    file_.problems().throwIfAny();
+    for (std::size_t i = 0; i < points_.size(); ++i)
+    {
+      for (const std::optional<Point>& b : points_)
+      {
+        data_.distances_m.push_back(std::hypot(points_[i]->x_m - b->x_m, points_[i]->y_m - b->y_m));
+      }
+    }
+    data_.source = file_.name();
     return ComponentMap(std::move(data_));
   }
 
 private:
-  void report(const YAML::Node& node, const std::string& message)
+  /// The items of a list; none, and a report, when there is something else.
+  std::vector<YAML::Node> list(const YAML::Node& map, const std::string& key,
+                               const std::string& example)
   {
-    problems_ += (problems_.empty() ? "" : "\n") + file_ + ":" +
-                 std::to_string(std::max(node.Mark().line, 0) + 1) + ": " + message;
-  }
-
-  void stopOnProblems() const
-  {
-    if (!problems_.empty())
+    const YAML::Node node = YamlFile::entry(map, key);
+    if (node.IsDefined() && !node.IsSequence())
     {
-      throw InvalidArgument(problems_);
+      file_.report(node,
+                   key + ": found " + YamlFile::shown(node) + ", expected a list, as " + example);
+      return {};
     }
-  }
-
-  void checkKeys(const YAML::Node& node, const std::string& what,
-                 const std::vector<std::string>& keys)
-  {
-    if (!node.IsMap())
-    {
-      report(node, what + ": found no map");
-      return;
-    }
-    for (const auto& entry : node)
-    {
-      const auto key = entry.first.as<std::string>();
-      if (std::find(keys.begin(), keys.end(), key) == keys.end())
-      {
-        report(entry.first, what + ": unknown key '" + key + "', expected one of " + listed(keys));
-      }
-    }
-  }
-
-  [[nodiscard]] static std::string listed(const std::vector<std::string>& keys)
-  {
-    std::string result;
-    for (const std::string& key : keys)
-    {
-      result += (result.empty() ? "'" : ", '") + key + "'";
-    }
-    return result;
+    return node.IsDefined() ? std::vector<YAML::Node>(node.begin(), node.end())
+                            : std::vector<YAML::Node>{};
   }
 
   std::string text(const YAML::Node& node, const std::string& what)
   {
-    if (!node.IsDefined() || !node.IsScalar())
+    if (!node.IsDefined() || !node.IsScalar() || node.Scalar().empty())
     {
-      report(node, what + ": found no text");
+      file_.report(node, what + ": found " + YamlFile::shown(node) + ", expected a text");
       return {};
     }
     return node.Scalar();
   }
 
+  void readComponents(const YAML::Node& root)
+  {
+    if (!YamlFile::entry(root, "components").IsDefined())
+    {
+      file_.report(root,
+                   "found no list 'components', expected entries as '{name: m1, part_of: d1}'");
+    }
+    for (const YAML::Node& node : list(root, "components", "[{name: m1, part_of: d1}, ...]"))
+    {
+      readComponent(node);
+    }
+    data_.neighbors.resize(data_.components.size());
+    const auto placed = static_cast<std::size_t>(
+        std::count_if(points_.begin(), points_.end(), [](const auto& point) { return point; }));
+    for (std::size_t i = 0; i < points_.size(); ++i)
+    {
+      if (placed > 0 && !points_[i])
+      {
+        file_.problems().add(
+            {file_.name(), data_.components[i].line, 0},
+            "'" + data_.components[i].name +
+                "' does not say where it is, but others do; add 'at: [x, y]', in m");
+      }
+    }
+    if (placed == 0)
+    {
+      points_.clear();
+    }
+  }
+
   void readComponent(const YAML::Node& node)
   {
-    const std::size_t problems_before = problems_.size();
-    checkKeys(node, "a component", {"name", "part_of", "at"});
-    if (problems_.size() > problems_before)
+    if (!file_.checkMap(node, "a component", {"name", "part_of", "at"}))
     {
       return;
     }
-    if (!node["name"].IsDefined() || !node["part_of"].IsDefined())
+    if (!YamlFile::entry(node, "name").IsDefined() || !YamlFile::entry(node, "part_of").IsDefined())
     {
-      report(node, "a component needs 'name' and 'part_of'");
+      file_.report(node, "a component needs 'name' and 'part_of'");
       return;
     }
-    index_.emplace(node["name"].Scalar(), data_.components.size());
-    data_.components.push_back({text(node["name"], "name"), text(node["part_of"], "part_of")});
-    const YAML::Node at = node["at"];
-    if (at.IsDefined())
+    Component component{text(node["name"], "name"), text(node["part_of"], "part_of"),
+                        YamlFile::line(node)};
+    index_.emplace(component.name, data_.components.size());
+    names_.push_back(component.name);
+    data_.components.push_back(std::move(component));
+    points_.push_back(point(YamlFile::entry(node, "at")));
+  }
+
+  std::optional<Point> point(const YAML::Node& at)
+  {
+    if (!at.IsDefined())
     {
-      Point point;
-      const bool good = at.IsSequence() && at.size() == 2 &&
-                        YAML::convert<double>::decode(at[0], point.x_m) &&
-                        YAML::convert<double>::decode(at[1], point.y_m);
-      if (!good)
-      {
-        report(at, "at: expected [x, y] in m");
-      }
-      points_.push_back(point);
+      return std::nullopt;
     }
-    if (points_.size() != (at.IsDefined() ? data_.components.size() : 0))
+    if (!at.IsSequence() || at.size() != 2)
     {
-      report(node, "either all components say where they are ('at: [x, y]') or none does");
+      file_.report(at, "at: found " + YamlFile::shown(at) + ", expected [x, y] in m");
+      return Point{};
     }
+    return Point{file_.finite(at[0], "at, x").value_or(0.0),
+                 file_.finite(at[1], "at, y").value_or(0.0)};
   }
 
   void readNeighbors(const YAML::Node& node)
   {
+    if (!node.IsSequence() || node.size() != 2)
+    {
+      file_.report(node, "neighbors: found " + YamlFile::shown(node) +
+                             ", expected pairs, as [m1, m2]; both become neighbours of each other");
+      return;
+    }
     std::vector<std::size_t> pair;
     for (const YAML::Node& end : node)
     {
-      const auto component = end.IsScalar() ? index_.find(end.Scalar()) : index_.end();
+      const std::string name = end.IsScalar() ? end.Scalar() : "";
+      const auto component = index_.find(name);
       if (component == index_.end())
       {
-        report(end, "neighbors: '" + (end.IsScalar() ? end.Scalar() : "") +
-                        "' is no component of the map");
+        file_.report(end, "neighbors: " + YamlFile::shown(end) + " is no component of the map" +
+                              suggestion(name, names_));
         return;
       }
       pair.push_back(component->second);
     }
-    if (!node.IsSequence() || pair.size() != 2)
+    std::vector<std::size_t>& of_first = data_.neighbors[pair[0]];
+    if (pair[0] == pair[1])
     {
-      report(node, "neighbors: expected pairs, as [m1, m2]; both become neighbours of each other");
-      return;
+      file_.report(node,
+                   "neighbors: '" + names_[pair[0]] + "' is its own neighbour; leave that out");
     }
-    data_.neighbors[pair[0]].push_back(pair[1]);
-    data_.neighbors[pair[1]].push_back(pair[0]);
+    else if (std::find(of_first.begin(), of_first.end(), pair[1]) != of_first.end())
+    {
+      file_.report(node, "neighbors: '" + names_[pair[0]] + "' and '" + names_[pair[1]] +
+                             "' a second time; a pair counts both ways, leave one of them");
+    }
+    else
+    {
+      of_first.push_back(pair[1]);
+      data_.neighbors[pair[1]].push_back(pair[0]);
+    }
   }
 
-  std::string file_;
-  std::string problems_;
+  YamlFile& file_;
   ComponentMapData data_;
-  std::vector<Point> points_;
+  std::vector<std::optional<Point>> points_;
+  std::vector<std::string> names_;
   std::unordered_map<std::string, std::size_t> index_;
 };
 
@@ -184,21 +190,8 @@ private:
 
 ComponentMap readComponentMap(const std::string& path)
 {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file.is_open() || file.bad())
-  {
-    throw Unavailable("cannot read '" + path + "'");
-  }
-  try
-  {
-    return MapReader(path).read(YAML::Load(text.str()));
-  }
-  catch (const YAML::Exception& error)
-  {
-    throw InvalidArgument(path + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
-  }
+  YamlFile file(fileText(path), path);
+  return MapReader(file).read();
 }
 
 }  // namespace kr3::refinement

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <map>
 #include <set>
-#include <sstream>
 #include <utility>
 #include <variant>
 
 #include <kr3_common/error.hpp>
 
 #include "axiom_lifter.hpp"
+#include "problems.hpp"
+#include "refinement_check.hpp"
 
 namespace kr3::refinement
 {
@@ -22,12 +23,6 @@ using reasoner::FluentKind;
 using reasoner::Literal;
 using reasoner::Magnification;
 using reasoner::Sort;
-
-std::string at(const reasoner::SourcePosition& position)
-{
-  return position.file + ":" + std::to_string(position.line) + ":" +
-         std::to_string(position.column) + ": ";
-}
 
 bool contains(const std::vector<std::string>& names, const std::string& name)
 {
@@ -45,13 +40,14 @@ public:
 
   Description compose()
   {
-    findMagnifications();
-    stopOnProblems();
+    checkRefinement(high_level_, refinement_, map_, problems_);
+    problems_.throwIfAny();
+    findComponents();
     addSorts();
     addDeclarations();
     addFacts();
     addLaws();
-    stopOnProblems();
+    problems_.throwIfAny();
     return std::move(result_);
   }
 
@@ -61,75 +57,21 @@ public:
   }
 
 private:
-  void report(const std::string& message) { problems_.push_back(message); }
-
-  void stopOnProblems() const
-  {
-    if (problems_.empty())
-    {
-      return;
-    }
-    std::ostringstream message;
-    for (std::size_t i = 0; i < problems_.size(); ++i)
-    {
-      message << (i == 0 ? "" : "\n") << problems_[i];
-    }
-    throw InvalidArgument(message.str());
-  }
-
-  void findMagnifications()
+  void findComponents()
   {
     std::map<std::string, const Magnification*> wholes;
     for (const Magnification& magnification : refinement_.magnifications)
     {
-      const Sort* sort = high_level_.findSort(magnification.coarse);
-      if (sort == nullptr)
-      {
-        report(at(magnification.position) + "'" + magnification.coarse +
-               "' is no sort of the high level");
-        continue;
-      }
       fine_sorts_.emplace(magnification.coarse, magnification.fine);
-      for (const std::string& element : sort->elements)
+      for (const std::string& element : high_level_.findSort(magnification.coarse)->elements)
       {
-        if (!wholes.emplace(element, &magnification).second)
-        {
-          report(at(magnification.position) + "'" + element +
-                 "' is magnified twice; magnify disjoint sorts");
-        }
+        wholes.emplace(element, &magnification);
       }
     }
     for (const Component& component : map_.components())
     {
-      const auto whole = wholes.find(component.part_of);
-      if (whole == wholes.end())
-      {
-        report("component '" + component.name + "' of the map is part of '" + component.part_of +
-               "', which no magnified sort has; add it to the sort in the domain file, or leave "
-               "the component out");
-        continue;
-      }
       components_[component.part_of].push_back(component.name);
-      elements_[whole->second->fine].push_back(component.name);
-    }
-    for (const auto& [element, magnification] : wholes)
-    {
-      if (components_.count(element) == 0)
-      {
-        report(at(magnification->position) + "'" + element + "' of sort '" + magnification->coarse +
-               "' has no components in the map; add some to the map, or take it out of the sort");
-      }
-    }
-    for (const Sort& sort : high_level_.sorts)
-    {
-      for (const std::string& element : sort.elements)
-      {
-        if (map_.find(element))
-        {
-          report("'" + element + "' is a component of the map and also an element of sort '" +
-                 sort.name + "'; rename one of them");
-        }
-      }
+      elements_[wholes.at(component.part_of)->fine].push_back(component.name);
     }
   }
 
@@ -269,7 +211,7 @@ private:
       }
       catch (const Error& error)
       {
-        report("fact '" + fact + "' of the map: " + error.what());
+        problems_.add({map_.source(), 0, 0}, "fact '" + fact + "' of the map: " + error.what());
       }
     }
   }
@@ -287,8 +229,10 @@ private:
                       [&](const Literal& fact) { return fact.atom.name == fluent.name; });
       if (fits && !has_facts && relation != nullptr)
       {
-        report(at(fluent.position) + "both '" + relation->name + "' and '" + fluent.name +
-               "' could be the map's neighbour relation; give one of them facts in the refinement");
+        problems_.add(fluent.position,
+                      "both '" + relation->name + "' and '" + fluent.name +
+                          "' could be the map's neighbour relation; give one of them facts in the "
+                          "refinement");
         return;
       }
       relation = fits && !has_facts ? &fluent : relation;
@@ -343,7 +287,8 @@ private:
 
   void addLaws()
   {
-    AxiomLifter lifter(high_level_, refinement_.magnifications, magnified_sorts_, fine_sorts_);
+    AxiomLifter lifter(high_level_, refinement_.magnifications, magnified_sorts_, fine_sorts_,
+                       problems_);
     for (const reasoner::CausalLaw& law : high_level_.causal_laws)
     {
       if (isAgentAction(law.action.name) && !isReplaced(law))
@@ -367,7 +312,6 @@ private:
         result_.executabilities.push_back(lifter.lifted(law));
       }
     }
-    problems_.insert(problems_.end(), lifter.problems().begin(), lifter.problems().end());
     const auto append = [](auto& to, const auto& from) {
       to.insert(to.end(), from.begin(), from.end());
     };
@@ -385,7 +329,7 @@ private:
   std::set<std::string> magnified_sorts_;
   std::map<std::string, std::vector<std::string>> elements_;  // of each fine sort
   std::unordered_map<std::string, std::vector<std::string>> components_;
-  std::vector<std::string> problems_;
+  Problems problems_;
 };
 
 }  // namespace

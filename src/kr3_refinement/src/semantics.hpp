@@ -109,7 +109,10 @@ private:
   [[nodiscard]] std::vector<int> choiceValues(const CompiledEffect& effect,
                                               const Variables& variables, Binding& binding,
                                               const Values& state) const;
-  [[nodiscard]] std::vector<std::string> labels(const std::vector<CompiledLaw>& laws) const;
+  /// The labels of the laws that apply in a state; one empty label when none of these has any.
+  [[nodiscard]] std::vector<std::string> labels(const std::vector<CompiledLaw>& laws,
+                                                const Values& state,
+                                                const GroundAction& action) const;
   [[nodiscard]] std::vector<EffectSet> effectSets(const std::vector<CompiledLaw>& laws,
                                                   const std::string& label, const Values& state,
                                                   const GroundAction& action) const;

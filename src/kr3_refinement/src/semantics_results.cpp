@@ -103,14 +103,23 @@ std::vector<int> Semantics::choiceValues(const CompiledEffect& effect, const Var
   return result;
 }
 
-std::vector<std::string> Semantics::labels(const std::vector<CompiledLaw>& laws) const
+std::vector<std::string> Semantics::labels(const std::vector<CompiledLaw>& laws,
+                                           const Values& state, const GroundAction& action) const
 {
   std::vector<std::string> result;
   for (const CompiledLaw& law : laws)
   {
+    const auto labelled = [](const CompiledOutcome& outcome) { return !outcome.label.empty(); };
+    if (std::none_of(law.outcomes.begin(), law.outcomes.end(), labelled))
+    {
+      continue;
+    }
+    std::optional<Binding> binding = bound(law.variables, law.arguments, action.arguments);
+    const bool applies = binding && !forEachMatch(signature_, law.variables, law.body, state,
+                                                  *binding, [](const Binding&) { return false; });
     for (const CompiledOutcome& outcome : law.outcomes)
     {
-      if (!outcome.label.empty() &&
+      if (applies && labelled(outcome) &&
           std::find(result.begin(), result.end(), outcome.label) == result.end())
       {
         result.push_back(outcome.label);
@@ -183,7 +192,7 @@ std::vector<Result> Semantics::results(const Values& state, const GroundAction& 
   const auto entry = laws_.find(action.symbol);
   const std::vector<CompiledLaw>& laws = entry == laws_.end() ? kNoLaws : entry->second;
   std::vector<Result> results;
-  for (const std::string& label : labels(laws))
+  for (const std::string& label : labels(laws, state, action))
   {
     const std::size_t first = results.size();
     double total = 0.0;

@@ -411,7 +411,9 @@ actions:
       return std::string();
     }
     return "      " + fluent + ": " +
-           pick({"exact", "{true_positive: 0.9, false_positive: 0.2, source: hand-written}"}) +
+           pick({"exact", std::string("{true_positive: 0.9, ") +
+                              (fluent == "at" ? "" : "false_positive: 0.2, ") +
+                              "source: hand-written}"}) +
            "\n";
   };
   const auto insert = [&](const std::string& before, const std::string& laws) {

@@ -42,7 +42,7 @@ actions:
   gauge(X):
     observations:
       on: {true_positive: )" + std::to_string(right) +
-                                  R"(, false_positive: 0.0, source: hand-written}
+                                  R"(, source: hand-written}
       tagged: exact
     cost: {base_s: 1.0, impossible_s: 2.0}
 )",

@@ -9,12 +9,15 @@
 namespace kr3::refinement
 {
 
+class Problems;
+
 /// A part of something that the high level knows as one: a grid cell of a room, a module of a
 /// device.
 struct Component
 {
   std::string name;
   std::string part_of;  ///< the element of the magnified sort
+  int line = 0;         ///< in the map's file; 0: not from a file
 };
 
 /// What the map says about the components. Plain data; ComponentMap checks it.
@@ -30,18 +33,22 @@ struct ComponentMapData
   /// Further ground facts over components, in the language: `heavy(m1)`, `height(m1) = 3`.
   std::vector<std::string> facts;
 
-  /// Row-major, shape [components, components], m; infinity where there is no way. Empty: all 0.
+  /// Row-major, shape [components, components], m; infinity where there is no way. Empty: nobody
+  /// knows, and costs cannot ask for them.
   std::vector<double> distances_m;
+
+  /// Where the data come from, for messages.
+  std::string source = "the map";
 };
 
 /// The components, their neighbours and distances. An immutable value.
 ///
-/// Invariant: names are unique and not empty, indices and shapes fit, distances are not negative
-/// and not NaN.
+/// Invariant: names are unique and not empty, indices and shapes fit, neighbours are so both ways
+/// and none is its own, distances are not negative and not NaN.
 class ComponentMap
 {
 public:
-  /// @throws InvalidArgument  the data break the invariant; the message names the component
+  /// @throws InvalidArgument  the data break the invariant; the message names each component
   explicit ComponentMap(ComponentMapData data);
 
   [[nodiscard]] std::size_t size() const { return data_.components.size(); }
@@ -53,15 +60,25 @@ public:
   [[nodiscard]] const std::vector<std::string>& facts() const { return data_.facts; }
   [[nodiscard]] std::optional<std::size_t> find(const std::string& name) const;
 
-  /// m; infinity where there is no way.
+  [[nodiscard]] const std::string& source() const { return data_.source; }
+
+  /// Whether it is known how far apart components are.
+  [[nodiscard]] bool hasDistances() const { return has_distances_; }
+
+  /// m; infinity where there is no way, 0 where nobody knows.
   [[nodiscard]] double distance(std::size_t from, std::size_t to) const
   {
     return data_.distances_m[from * size() + to];
   }
 
 private:
+  void checkNames(Problems& problems);
+  void checkNeighbors(std::size_t component, Problems& problems) const;
+  void checkDistances(std::size_t component, Problems& problems) const;
+
   ComponentMapData data_;
   std::unordered_map<std::string, std::size_t> index_;
+  bool has_distances_ = true;
 };
 
 /// A map for tools and tests: each whole becomes a grid of about square shape, the wholes stand in

@@ -8,6 +8,8 @@
 
 #include <kr3_reasoner/language.hpp>
 
+#include "kr3_refinement/low_level_domain.hpp"
+
 namespace kr3::refinement
 {
 
@@ -18,12 +20,15 @@ enum class ModelSource : std::uint8_t
   kLearned,
 };
 
-/// How often each labelled outcome of an action happens.
+/// How often each labelled outcome of an action happens. Those of the laws that apply in a state
+/// are drawn together, scaled to a sum of 1.
 struct OutcomeModel
 {
-  std::map<std::string, double> probabilities;  ///< by label; sums to 1
+  /// By label; sums to 1, over all labels or over those of each law.
+  std::map<std::string, double> probabilities;
   std::map<std::string, std::uint64_t> counts;  ///< sample sizes; empty when hand-written
   ModelSource source = ModelSource::kHandWritten;
+  int line = 0;  ///< in the models file; 0: made in memory
 };
 
 /// How reliably an action tells what it observes.
@@ -36,6 +41,8 @@ struct ObservationModel
   double false_positive = 0.0;
   std::map<std::string, std::uint64_t> counts;
   ModelSource source = ModelSource::kHandWritten;
+  bool exact = false;  ///< declared never to err, so there is nothing to learn
+  int line = 0;        ///< in the models file; 0: made in memory
 };
 
 /// Seconds that an action takes: base_s + per_metre_s * distance.
@@ -70,19 +77,39 @@ struct Models
   std::map<std::string, ActionModel> actions;  ///< by action name, one for each low-level action
   RewardModel rewards;
   double discount = 0.98;
-  double threshold = 0.85;  ///< belief above it becomes knowledge
+  double threshold = 0.85;  ///< belief above it becomes knowledge, in (0.5, 1)
+  std::string file;         ///< that they were read from, for messages
 };
 
-/// Reads models.yaml (schema: README.md) and checks it against the low-level description: every
-/// labelled outcome and every observation law has its numbers, and nothing else is named.
+struct ModelsOptions
+{
+  /// Refuse probabilities that nobody learned from trials.
+  bool require_learned = false;
+};
+
+/// Reads models.yaml (schema: docs/refinement.md) and checks it against the low-level description:
+/// every labelled outcome and every observation law has its numbers, and nothing else is named.
 ///
 /// @param low_level  LowLevelDomain::description()
 /// @throws Unavailable      the file cannot be read
-/// @throws InvalidArgument  every problem, one a line: "file:line: found, expected"
-[[nodiscard]] Models readModels(const std::string& path, const reasoner::Description& low_level);
+/// @throws InvalidArgument  every problem, one a line: "file:line: found, expected, mend"
+[[nodiscard]] Models readModels(const std::string& path, const reasoner::Description& low_level,
+                                const ModelsOptions& options = {});
 
 /// The same from a text. @param file  its name, for messages
 [[nodiscard]] Models parseModels(const std::string& text, const std::string& file,
-                                 const reasoner::Description& low_level);
+                                 const reasoner::Description& low_level,
+                                 const ModelsOptions& options = {});
+
+/// As above, and checks in addition that the map has what costs ask of it: distances between the
+/// values of `from` and of `to`.
+[[nodiscard]] Models readModels(const std::string& path, const LowLevelDomain& domain,
+                                const ModelsOptions& options = {});
+[[nodiscard]] Models parseModels(const std::string& text, const std::string& file,
+                                 const LowLevelDomain& domain, const ModelsOptions& options = {});
+
+/// The probabilities that were not learned, one line each: "models.yaml:16: outcomes of move(R,
+/// C)". `exact` observations are not listed.
+[[nodiscard]] std::vector<std::string> handWritten(const Models& models);
 
 }  // namespace kr3::refinement
