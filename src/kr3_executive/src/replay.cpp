@@ -11,6 +11,7 @@
 #include "kr3_executive/in_process.hpp"
 #include "literal_text.hpp"
 #include "replay_peers.hpp"
+#include "typed_error.hpp"
 
 namespace kr3::executive
 {

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <utility>
 
+#include <kr3_common/error.hpp>
+
 namespace kr3::executive
 {
 namespace
@@ -17,31 +19,6 @@ reasoner::PlanOptions patient(reasoner::PlanOptions options)
 }
 
 }  // namespace
-
-void throwError(ErrorCode code, const std::string& message)
-{
-  switch (code)
-  {
-    case ErrorCode::kInvalidArgument:
-      throw InvalidArgument(message);
-    case ErrorCode::kNotFound:
-      throw NotFound(message);
-    case ErrorCode::kFailedPrecondition:
-      throw FailedPrecondition(message);
-    case ErrorCode::kUnavailable:
-      throw Unavailable(message);
-    case ErrorCode::kResourceExhausted:
-      throw ResourceExhausted(message);
-    case ErrorCode::kDeadlineExceeded:
-      throw DeadlineExceeded(message);
-    case ErrorCode::kCancelled:
-      throw Cancelled(message);
-    case ErrorCode::kOk:
-    case ErrorCode::kInternal:
-      break;
-  }
-  throw InternalError(message);
-}
 
 InterruptedReasoner::InterruptedReasoner(reasoner::Description description,
                                          const reasoner::PlanOptions& options,

@@ -5,17 +5,12 @@
 #include <string>
 #include <vector>
 
-#include <kr3_common/error.hpp>
-
 #include "kr3_executive/in_process.hpp"
 
 /// Reasoner and policy server of a replay: those in process, which fail where the recorded ones
 /// did.
 namespace kr3::executive
 {
-
-/// Throws the typed error of a code. @throws Error  always
-[[noreturn]] void throwError(ErrorCode code, const std::string& message);
 
 /// A recorded failure that is still to happen.
 struct Interruption

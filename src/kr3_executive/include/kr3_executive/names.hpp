@@ -10,6 +10,7 @@ inline constexpr char kTell[] = "executive/tell";
 inline constexpr char kState[] = "executive/state";
 inline constexpr char kEvents[] = "executive/events";
 inline constexpr char kBelief[] = "executive/belief";
+inline constexpr char kInputs[] = "executive/inputs";
 
 // What executive_node uses of others.
 inline constexpr char kCells[] = "cells";

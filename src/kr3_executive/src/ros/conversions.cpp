@@ -4,6 +4,8 @@
 
 #include <kr3_common/error.hpp>
 
+#include "../typed_error.hpp"
+
 namespace kr3::executive
 {
 
@@ -121,6 +123,23 @@ MissionState toMsg(const Snapshot& snapshot)
   return message;
 }
 
+kr3_msgs::MissionInput toMsg(const RecordedInput& input)
+{
+  using Message = kr3_msgs::MissionInput;
+  static_assert(Message::DOMAIN == static_cast<int>(InputKind::kDomain) &&
+                Message::MISSION == static_cast<int>(InputKind::kMission) &&
+                Message::SKILL_RESULT == static_cast<int>(InputKind::kSkillResult) &&
+                Message::TOLD == static_cast<int>(InputKind::kTold) &&
+                Message::CANCEL == static_cast<int>(InputKind::kCancel) &&
+                Message::DECISION == static_cast<int>(InputKind::kDecision));
+  Message message;
+  message.header.stamp = ros::Time(input.stamp_s);
+  message.sequence = input.sequence;
+  message.kind = static_cast<std::uint8_t>(input.kind);
+  message.data = input.data;
+  return message;
+}
+
 kr3_msgs::BeliefState toMsg(const ReportedBelief& belief)
 {
   kr3_msgs::BeliefState message;
@@ -166,29 +185,8 @@ refinement::ComponentMap fromMsg(const kr3_msgs::CellArray& message)
 
 void throwIfFailed(const kr3_msgs::Status& status, const std::string& request)
 {
-  const std::string what = request + ": " + status.message;
-  switch (static_cast<ErrorCode>(status.code))
-  {
-    case ErrorCode::kOk:
-      return;
-    case ErrorCode::kInvalidArgument:
-      throw InvalidArgument(what);
-    case ErrorCode::kNotFound:
-      throw NotFound(what);
-    case ErrorCode::kFailedPrecondition:
-      throw FailedPrecondition(what);
-    case ErrorCode::kUnavailable:
-      throw Unavailable(what);
-    case ErrorCode::kResourceExhausted:
-      throw ResourceExhausted(what);
-    case ErrorCode::kDeadlineExceeded:
-      throw DeadlineExceeded(what);
-    case ErrorCode::kCancelled:
-      throw Cancelled(what);
-    case ErrorCode::kInternal:
-      break;
-  }
-  throw InternalError(what);
+  if (status.code != kr3_msgs::Status::OK)
+    throwError(static_cast<ErrorCode>(status.code), request + ": " + status.message);
 }
 
 }  // namespace kr3::executive

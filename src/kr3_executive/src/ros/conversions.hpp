@@ -7,11 +7,13 @@
 #include <kr3_msgs/HighLevelPlan.h>
 #include <kr3_msgs/HistoryRecord.h>
 #include <kr3_msgs/MissionEvent.h>
+#include <kr3_msgs/MissionInput.h>
 #include <kr3_msgs/MissionState.h>
 #include <kr3_msgs/Status.h>
 #include <kr3_refinement/component_map.hpp>
 
 #include "kr3_executive/driver.hpp"
+#include "kr3_executive/mission_recording.hpp"
 
 namespace kr3::executive
 {
@@ -26,6 +28,7 @@ namespace kr3::executive
 [[nodiscard]] kr3_msgs::MissionEvent toMsg(const ReportedEvent& event);
 [[nodiscard]] kr3_msgs::MissionState toMsg(const Snapshot& snapshot);
 [[nodiscard]] kr3_msgs::BeliefState toMsg(const ReportedBelief& belief);
+[[nodiscard]] kr3_msgs::MissionInput toMsg(const RecordedInput& input);
 
 /// Cells are components; their rooms are what they are part of.
 /// @throws InvalidArgument  a neighbour that is no cell, distances of another shape

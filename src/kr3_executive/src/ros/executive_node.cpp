@@ -19,6 +19,9 @@ namespace kr3::executive
 namespace
 {
 
+/// A mission has some hundred inputs and decisions; none may be lost.
+constexpr std::uint32_t kInputQueue = 10000;
+
 std::string listedLines(const std::vector<std::string>& items)
 {
   std::string text;
@@ -132,6 +135,7 @@ ExecutiveNode::ExecutiveNode(ros::NodeHandle nh, const ros::NodeHandle& private_
   , state_publisher_(nh.advertise<kr3_msgs::MissionState>(names::kState, 1, true))
   , event_publisher_(nh.advertise<kr3_msgs::MissionEvent>(names::kEvents, 100))
   , belief_publisher_(nh.advertise<kr3_msgs::BeliefState>(names::kBelief, 10))
+  , input_publisher_(nh.advertise<kr3_msgs::MissionInput>(names::kInputs, kInputQueue))
 {
   const auto high_level = reasoner::readDescription(config_.domain);
   const auto refined =
@@ -144,10 +148,15 @@ ExecutiveNode::ExecutiveNode(ros::NodeHandle nh, const ros::NodeHandle& private_
   bindings_ = Bindings::read(config_.bindings, domain_->description());
   narrator_ = std::make_unique<Narrator>(bindings_.phrases(), high_level);
   executor_ = std::make_unique<RosExecutor>(nh, bindings_);
+  const auto now_s = [] { return ros::Time::now().toSec(); };
+  recorder_ = std::make_unique<MissionRecorder>(
+      readDomainFiles(config_.domain, config_.refinement, config_.models, config_.bindings,
+                      domain_->map()),
+      config_.plan, now_s,
+      [this](const RecordedInput& input) { input_publisher_.publish(toMsg(input)); });
   waitForPeers(stop);
-  driver_ = std::make_unique<MissionDriver>(
-      *domain_, models_, *narrator_, reasoner_, policies_, *executor_, *this,
-      [] { return ros::Time::now().toSec(); }, config_.driver);
+  driver_ = std::make_unique<MissionDriver>(*domain_, models_, *narrator_, reasoner_, policies_,
+                                            *executor_, *this, now_s, config_.driver);
   restoreKnowledge();
   onSnapshot({State{}, {}, driver_->knowledge().history, {}, {}});
 
@@ -293,6 +302,16 @@ void ExecutiveNode::onSnapshot(const Snapshot& snapshot)
   {
     ROS_ERROR_THROTTLE(10.0, "the history is not kept: %s", e.what());
   }
+}
+
+void ExecutiveNode::onInput(const Input& input)
+{
+  recorder_->onInput(input);
+}
+
+void ExecutiveNode::onDecision(const ReportedDecision& decision)
+{
+  recorder_->onDecision(decision);
 }
 
 void ExecutiveNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)

@@ -16,6 +16,7 @@
 
 #include "clients.hpp"
 #include "kr3_executive/driver.hpp"
+#include "kr3_executive/mission_recording.hpp"
 #include "kr3_executive/scenario.hpp"
 
 namespace kr3::executive
@@ -59,6 +60,8 @@ public:
   void onEvent(const ReportedEvent& event) override;
   void onBelief(const ReportedBelief& belief) override;
   void onSnapshot(const Snapshot& snapshot) override;
+  void onInput(const Input& input) override;
+  void onDecision(const ReportedDecision& decision) override;
 
 private:
   using AchieveServer = actionlib::SimpleActionServer<kr3_msgs::AchieveAction>;
@@ -89,6 +92,8 @@ private:
   ros::Publisher state_publisher_;
   ros::Publisher event_publisher_;
   ros::Publisher belief_publisher_;
+  ros::Publisher input_publisher_;
+  std::unique_ptr<MissionRecorder> recorder_;
   ros::WallTimer diagnostics_timer_;
   ros::ServiceServer tell_;
   std::unique_ptr<AchieveServer> achieve_;

@@ -29,7 +29,7 @@ _COMMANDS: Dict[str, Command] = {
     "goal": Command("goal", "give the running robot a goal and follow the mission"),
     "status": Command("status", "say what the running robot is doing"),
     "record": Command("record", "record a bag of the running robot until Ctrl-C"),
-    "replay": Command("replay", "play a bag and tell its mission again"),
+    "replay": Command("replay", "compute a bag's decisions again, or play it"),
     "map": Command("mapping", "let the robot drive and build the map of a domain"),
     "doctor": Command("doctor", "say what would not work on this machine"),
 }

@@ -1,35 +1,101 @@
-"""`./kr3 replay`: play a bag's topics on a master and tell its mission again."""
+"""`./kr3 replay`: compute a bag's missions again, or play its topics, or tell its events."""
 import argparse
+import subprocess
+import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import Any, Callable, Iterator, List, Tuple
 
-import rosbag
-
 from kr3_experiments.bringup import DEFAULT_PORT, choose_port, new_run_dir
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.events import Event, event_from_message
+from kr3_experiments.mission_inputs import input_lines, open_bag
 from kr3_experiments.stack import Stack
 from kr3_experiments.terminal import Terminal
 
 _EVENTS = ("executive/events", "/executive/events")
+UNUSABLE = 2  # exit code: nothing can be computed from the bag
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument("bag", type=Path)
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument(
+        "--check", action="store_true", help="print the verdict and the first difference only"
+    )
+    what.add_argument(
+        "--events-only", action="store_true", help="tell what the mission's events said, at once"
+    )
+    what.add_argument(
+        "--rate", type=float, metavar="X", help="play the topics, at X times real time"
+    )
+    what.add_argument(
+        "--export", type=Path, metavar="FILE", help="write the inputs as JSON lines, for kr3_replay"
+    )
+    parser.add_argument("--mission", type=int, metavar="N", help="the bag's Nth mission only")
     parser.add_argument(
-        "--rate", type=float, default=1.0, metavar="X", help="times real time (default: 1)"
+        "--set",
+        action="append",
+        default=[],
+        metavar="N.FIELD=VALUE",
+        help="change input N first, as in 12.observation=false",
     )
     parser.add_argument(
-        "--events-only", action="store_true", help="tell the mission at once, play nothing"
+        "--continue",
+        dest="seed",
+        type=int,
+        metavar="SEED",
+        help="go on in the abstract world where nothing is recorded any more",
     )
     parser.add_argument(
-        "--port", type=int, help=f"port of the ROS master (default: {DEFAULT_PORT})"
+        "--true",
+        action="append",
+        default=[],
+        metavar="LITERAL",
+        help='what is true in that world, such as "loc(tb1) = kitchen"',
+    )
+    parser.add_argument(
+        "--port", type=int, help=f"port of the ROS master for --rate (default: {DEFAULT_PORT})"
     )
 
 
 def run(args: argparse.Namespace) -> int:
+    """@return decisions: 0 all the same, 1 one differs, 2 the bag cannot be used; events and topics: 0 when the bag
+    could be read to its end and held a mission"""
+    if args.events_only or args.rate is not None:
+        return _tell_mission(args)
+    try:
+        lines = input_lines(args.bag)
+        if args.export:
+            args.export.write_text("\n".join(lines) + "\n", encoding="utf-8")
+            return 0
+        return _recompute(args, lines)
+    except (Kr3Error, OSError) as error:
+        print(f"kr3: {error}", file=sys.stderr)
+        return UNUSABLE
+
+
+def _recompute(args: argparse.Namespace, lines: List[str]) -> int:
+    """kr3_replay's exit code. @throws Kr3Error  it could not do its work"""
+    with tempfile.TemporaryDirectory(prefix="kr3_replay_") as folder:
+        file = Path(folder) / (args.bag.stem + ".jsonl")
+        file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        command = ["rosrun", "kr3_executive", "kr3_replay", str(file)]
+        command += ["--check"] if args.check else []
+        command += ["--mission", str(args.mission)] if args.mission is not None else []
+        command += ["--continue", str(args.seed)] if args.seed is not None else []
+        for option in ("set", "true"):
+            for value in getattr(args, option):
+                command += [f"--{option}", value]
+        code = subprocess.run(command, check=False).returncode
+    if code not in (0, 1, UNUSABLE):
+        raise Kr3Error(f"kr3_replay ended with code {code}")
+    return code
+
+
+def _tell_mission(args: argparse.Namespace) -> int:
     """@return 0 when the bag could be read to its end and held a mission"""
     terminal = Terminal()
     timed = list(read_events(args.bag))
@@ -48,20 +114,6 @@ def run(args: argparse.Namespace) -> int:
             raise Kr3Error(f"--rate {args.rate}: expected a number > 0")
         _play(args, terminal, [(stamp - bag_start_s, event) for stamp, event in timed])
     return 0 if timed else 1
-
-
-def open_bag(file: Path) -> rosbag.Bag:
-    """@throws Kr3Error  no such file, or it is not a complete bag"""
-    try:
-        return rosbag.Bag(str(file))
-    except OSError as error:
-        raise Kr3Error(f"{file}: {error.strerror or error}") from error
-    except rosbag.ROSBagUnindexedException as error:
-        raise Kr3Error(
-            f"{file} was not closed properly: `rosbag reindex {file}` makes it readable"
-        ) from error
-    except rosbag.ROSBagException as error:
-        raise Kr3Error(f"{file} is not a bag: {error}") from error
 
 
 def read_events(file: Path) -> Iterator[Tuple[float, Event]]:
