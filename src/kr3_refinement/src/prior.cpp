@@ -164,6 +164,28 @@ private:
     return semantics_.signature().symbols()[semantics_.fluents()[fluent].symbol].boolean;
   }
 
+  /// @param description  whose fluent it is
+  /// @throws InvalidArgument  a value that the fluent cannot have
+  static void checkValues(const std::string& name, const Distribution& distribution,
+                          const reasoner::Description& description)
+  {
+    const reasoner::FluentDeclaration* fluent =
+        description.findFluent(name.substr(0, name.find('(')));
+    const std::vector<std::string> values =
+        fluent->value_sort ? description.findSort(*fluent->value_sort)->elements
+                           : std::vector<std::string>{"false", "true"};
+    for (const auto& [value, probability] : distribution)
+    {
+      if (value != kElsewhere && std::find(values.begin(), values.end(), value) == values.end())
+      {
+        throw InvalidArgument("initial knowledge of " + name + ": found '" + value +
+                              "', expected " +
+                              (fluent->value_sort ? "an element of " + *fluent->value_sort
+                                                  : std::string("true or false")));
+      }
+    }
+  }
+
   void addFine(const std::string& name, const Distribution& distribution)
   {
     const std::optional<std::size_t> fluent = semantics_.signature().findFluent(name);
@@ -176,6 +198,7 @@ private:
       }
       return;  // outside the zoom
     }
+    checkValues(name, distribution, domain_.description());
     checkDistribution(name, distribution, false);
     Distribution inside;
     for (const auto& [value, probability] : distribution)
@@ -202,6 +225,7 @@ private:
       }
       return;  // outside the zoom
     }
+    checkValues(name, distribution, domain_.highLevel());
     checkDistribution(name, distribution, true);
     const bool boolean = isBoolean(fluents->second.front());
     double rest = 1.0;

@@ -166,7 +166,7 @@ void addLine(const char* what, const std::vector<std::string>& names, std::size_
   {
     return;
   }
-  text += "  " + std::to_string(names.size()) + " " + what + ":\n";
+  text += std::string("  ") + what + ": " + std::to_string(names.size()) + "\n";
   for (std::size_t i = 0; i < std::min(max_names, names.size()); ++i)
   {
     text += "    " + names[i] + "\n";

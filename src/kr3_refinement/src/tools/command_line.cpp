@@ -1,5 +1,6 @@
 #include "command_line.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -23,21 +24,28 @@ void addDomainOptions(CLI::App& app, Options& options)
   app.add_option("--pitch", options.pitch_m, "m between neighbours in the grid");
 }
 
+void addTaskOptions(CLI::App& app, Options& options)
+{
+  app.add_option("--state", options.state,
+                 "high-level state: literals joined by commas, as 'loc(rob1)=office, opened(box)'; "
+                 "booleans not listed are false");
+  app.add_option("--action", options.action, "ground high-level action, as 'grasp(rob1, tb1)'");
+  app.add_option("--known", options.known,
+                 "FLUENT=VALUE: low-level value that is certain, as 'loc(rob1)=kitchen_c2'");
+  app.add_option("--hidden", options.hidden,
+                 "FLUENT=P: its value in the state is only believed, with probability P, and the "
+                 "rest is elsewhere; or FLUENT=V:P,V:P,...: over high-level values");
+}
+
 Options parse(int argc, char** argv, const std::string& purpose)
 {
   Options options;
   CLI::App app{purpose};
   app.option_defaults()->always_capture_default();
   addDomainOptions(app, options);
-  app.add_option("--state", options.state, "high-level state: literals joined by commas")
-      ->required();
-  app.add_option("--action", options.action, "ground high-level action")->required();
-  app.add_option("--known", options.known,
-                 "FLUENT=VALUE: low-level value that is certain, as 'loc(rob1)=kitchen_c2'");
-  app.add_option("--hidden", options.hidden,
-                 "FLUENT=P: its value in the state is only believed, with probability P; the rest "
-                 "is elsewhere");
-  app.add_option("--pomdp", options.pomdp, "write the POMDP to this file");
+  addTaskOptions(app, options);
+  app.get_option("--state")->required();
+  app.get_option("--action")->required();
   app.add_option("--solve", options.solve_s,
                  "solve it for so many seconds and simulate the policy");
   try
@@ -55,7 +63,7 @@ namespace
 {
 
 /// Splits at commas that stand in no parentheses.
-std::vector<std::string> literalsOf(const std::string& text)
+std::vector<std::string> splitAtCommas(const std::string& text)
 {
   std::vector<std::string> parts(1);
   int depth = 0;
@@ -112,19 +120,82 @@ LowLevelDomain loadDomain(const Options& options)
   return {high_level, refinement, mapOf(options, high_level, refinement)};
 }
 
+std::vector<reasoner::Literal> literalsOf(const std::string& text,
+                                          const reasoner::Description& high_level)
+{
+  std::vector<reasoner::Literal> literals;
+  if (text.find_first_not_of(" \t") == std::string::npos)
+  {
+    return literals;
+  }
+  for (const std::string& literal : splitAtCommas(text))
+  {
+    literals.push_back(reasoner::parseGroundLiteral(literal, high_level));
+  }
+  return literals;
+}
+
 Loaded load(const Options& options)
 {
   LowLevelDomain domain = loadDomain(options);
   const reasoner::Description& high_level = domain.highLevel();
   Models models = readModels(options.domain + "/models.yaml", domain.description());
-  std::vector<reasoner::Literal> state;
-  for (const std::string& literal : literalsOf(options.state))
+  std::vector<reasoner::Literal> state = literalsOf(options.state, high_level);
+  reasoner::Atom action;
+  if (!options.action.empty())
   {
-    state.push_back(reasoner::parseGroundLiteral(literal, high_level));
+    action = reasoner::parseGroundAction(options.action, high_level);
   }
-  reasoner::Atom action = reasoner::parseGroundAction(options.action, high_level);
   return {std::move(domain), std::move(models), std::move(state), std::move(action)};
 }
+
+namespace
+{
+
+std::string trimmed(const std::string& text)
+{
+  const std::size_t first = text.find_first_not_of(" \t");
+  return first == std::string::npos ? std::string()
+                                    : text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+double probabilityOf(const std::string& text, const std::string& option)
+{
+  std::size_t used = 0;
+  double value = -1.0;
+  try
+  {
+    value = std::stod(text, &used);
+  }
+  catch (const std::exception&)
+  {
+    used = 0;
+  }
+  if (used == 0 || used != text.size() || !(value >= 0.0 && value <= 1.0))
+  {
+    throw InvalidArgument(option + ": found '" + text + "', expected a probability");
+  }
+  return value;
+}
+
+/// The value of a fluent in the zoom's start.
+std::string startValue(const Zoom& zoom, const std::string& fluent, const std::string& option)
+{
+  const auto squeezed = [](std::string name) {
+    name.erase(std::remove(name.begin(), name.end(), ' '), name.end());
+    return name;
+  };
+  for (const reasoner::Literal& literal : zoom.start)
+  {
+    if (squeezed(reasoner::toString(literal.atom)) == squeezed(fluent))
+    {
+      return literal.value.name;
+    }
+  }
+  throw InvalidArgument(option + ": the zoom's start says nothing about '" + fluent + "'");
+}
+
+}  // namespace
 
 InitialKnowledge knowledgeOf(const Options& options, const Zoom& zoom)
 {
@@ -136,28 +207,30 @@ InitialKnowledge knowledgeOf(const Options& options, const Zoom& zoom)
     {
       throw InvalidArgument("--known " + text + ": expected FLUENT=VALUE");
     }
-    knowledge.fine[text.substr(0, equal)] = {{text.substr(equal + 1), 1.0}};
+    knowledge.fine[trimmed(text.substr(0, equal))] = {{trimmed(text.substr(equal + 1)), 1.0}};
   }
   for (const std::string& text : options.hidden)
   {
+    const std::string option = "--hidden " + text;
     const std::size_t equal = text.rfind('=');
-    const std::string fluent = text.substr(0, equal);
-    const double probability =
-        equal == std::string::npos ? 0.5 : std::atof(text.c_str() + equal + 1);
-    Distribution distribution;
-    for (const reasoner::Literal& literal : zoom.start)
+    if (equal == std::string::npos)
     {
-      if (reasoner::toString(literal.atom) == fluent)
-      {
-        distribution[literal.value.name] = probability;
-      }
+      throw InvalidArgument(option + ": expected FLUENT=P or FLUENT=VALUE:P,...");
     }
-    if (distribution.empty())
+    const std::string fluent = trimmed(text.substr(0, equal));
+    const std::string values = text.substr(equal + 1);
+    Distribution& distribution = knowledge.coarse[fluent];
+    if (values.find(':') == std::string::npos)
     {
-      throw InvalidArgument("--hidden " + text + ": the zoom's start says nothing about '" +
-                            fluent + "'");
+      distribution[startValue(zoom, fluent, option)] = probabilityOf(trimmed(values), option);
+      continue;
     }
-    knowledge.coarse.emplace(fluent, std::move(distribution));
+    for (const std::string& part : splitAtCommas(values))
+    {
+      const std::size_t colon = std::min(part.find(':'), part.size());
+      distribution[trimmed(part.substr(0, colon))] = probabilityOf(
+          colon == part.size() ? std::string() : trimmed(part.substr(colon + 1)), option);
+    }
   }
   return knowledge;
 }

@@ -1,19 +1,26 @@
 /// kr3_zoom: what matters to a high-level action, and the POMDP that it becomes. Needs no ROS.
 
-#include <chrono>
+#include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <exception>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <string>
+
+#include <CLI/CLI.hpp>
 
 #include <kr3_common/error.hpp>
 #include <kr3_pomdp/pomdp_format.hpp>
+#include <kr3_pomdp/pomdpx_format.hpp>
 #include <kr3_pomdp/simulation.hpp>
 #include <kr3_pomdp/solver.hpp>
 
 #include "command_line.hpp"
+#include "kr3_refinement/factored_task.hpp"
 #include "kr3_refinement/pomdp_task.hpp"
+#include "kr3_refinement/task_report.hpp"
 #include "kr3_refinement/zoom.hpp"
 
 namespace
@@ -21,20 +28,51 @@ namespace
 
 using namespace kr3;
 
-class Stopwatch
+struct ZoomOptions : refinement::tools::Options
+{
+  bool flat = false;
+  std::string goal;
+  std::string pomdp;
+  std::string pomdpx;
+  bool numbered = false;
+  std::size_t max_states = refinement::GeneratorLimits{}.max_states;
+  std::size_t max_names = 5;
+};
+
+class CpuStopwatch
 {
 public:
   [[nodiscard]] double lap_ms()
   {
-    const auto now = std::chrono::steady_clock::now();
-    const std::chrono::duration<double, std::milli> elapsed = now - last_;
+    const std::clock_t now = std::clock();
+    const double elapsed = 1e3 * static_cast<double>(now - last_) / CLOCKS_PER_SEC;
     last_ = now;
-    return elapsed.count();
+    return elapsed;
   }
 
 private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  std::clock_t last_ = std::clock();
 };
+
+std::string fixed(double value)
+{
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.2f", value);
+  return text;
+}
+
+refinement::Zoom zoomOf(const ZoomOptions& options, const refinement::tools::Loaded& loaded)
+{
+  if (!options.flat)
+  {
+    return refinement::zoom(loaded.domain, loaded.state, loaded.action);
+  }
+  return refinement::wholeDomain(
+      loaded.domain, loaded.state,
+      options.goal.empty()
+          ? refinement::zoom(loaded.domain, loaded.state, loaded.action).effects
+          : refinement::tools::literalsOf(options.goal, loaded.domain.highLevel()));
+}
 
 void printZoom(const refinement::LowLevelDomain& domain, const refinement::Zoom& zoom)
 {
@@ -43,13 +81,69 @@ void printZoom(const refinement::LowLevelDomain& domain, const refinement::Zoom&
   {
     std::cout << "  " << relevant.name << ": " << relevant.reason << "\n";
   }
-  std::cout << "Effects:\n";
+  std::cout << "\nEffects to bring about:\n";
   for (const reasoner::Literal& effect : zoom.effects)
   {
     std::cout << "  " << reasoner::toString(effect) << "\n";
   }
-  std::cout << "\nZoomed description:\n"
+  std::cout << "\nZoomed low-level description:\n\n"
             << reasoner::toString(refinement::zoomedDescription(domain, zoom)) << "\n";
+}
+
+/// "move (4), search (4), grasp, finish"
+std::string actionCounts(const refinement::PomdpTask& task)
+{
+  std::vector<std::string> order;
+  std::map<std::string, std::size_t> counts;
+  for (std::size_t action = 0; action < task.model().numActions(); ++action)
+  {
+    if (++counts[task.actionSymbol(action)] == 1)
+    {
+      order.push_back(task.actionSymbol(action));
+    }
+  }
+  std::string text;
+  for (const std::string& symbol : order)
+  {
+    text += (text.empty() ? "" : ", ") + symbol;
+    text += counts[symbol] > 1 ? " (" + std::to_string(counts[symbol]) + ")" : "";
+  }
+  return text;
+}
+
+void printModel(const refinement::PomdpTask& task, const refinement::FactoredTask& factors,
+                std::size_t max_names)
+{
+  const pomdp::Model& model = task.model();
+  std::cout << "POMDP: " << model.numStates() << " states (" << task.boundaryState()
+            << " physical, boundary, done), " << model.numActions() << " actions, "
+            << model.numObservations() << " observations, discount " << model.discount() << "\n"
+            << "  actions: " << actionCounts(task) << "\n"
+            << "  variables:\n";
+  for (const pomdp::StateVariable& variable : factors.model.state)
+  {
+    std::cout << "    " << variable.name << ", " << variable.values.size() << " values, "
+              << (variable.observed ? "always known" : "hidden") << "\n";
+  }
+  std::cout << "  start: " << task.summary(model.initialBelief()) << "\n\nChecks:\n"
+            << refinement::validate(task).text(max_names);
+}
+
+template <typename Write>
+void writeFile(const std::string& path, const Write& write)
+{
+  if (path.empty())
+  {
+    return;
+  }
+  std::ofstream out(path);
+  write(out);
+  out.close();
+  if (!out)
+  {
+    throw Unavailable("cannot write '" + path + "'");
+  }
+  std::cout << "Wrote " << path << "\n";
 }
 
 void solve(const refinement::PomdpTask& task, double seconds)
@@ -58,42 +152,95 @@ void solve(const refinement::PomdpTask& task, double seconds)
   limits.time_s = seconds;
   const pomdp::SolveResult result = pomdp::solve(task.model(), limits);
   const pomdp::Evaluation evaluation = pomdp::evaluate(task.model(), result.policy, {}, 1);
-  std::cout << "Solved: bounds " << result.lower << ", " << result.upper << " after "
-            << result.elapsed_s << " s (" << pomdp::toString(result.reason) << "); simulated "
-            << evaluation.mean << " +- " << evaluation.half_width_95 << "\n";
+  std::cout << "Solved: bounds " << fixed(result.lower) << ", " << fixed(result.upper) << " after "
+            << fixed(result.elapsed_s) << " s (" << pomdp::toString(result.reason)
+            << "); simulated " << fixed(evaluation.mean) << " +- "
+            << fixed(evaluation.half_width_95) << "\n"
+            << "First action: "
+            << task.actionText(result.policy.actionAt(task.model().initialBelief())) << "\n";
 }
 
-void run(const refinement::tools::Options& options)
+void run(const ZoomOptions& options)
 {
-  Stopwatch stopwatch;
+  CpuStopwatch stopwatch;
   const refinement::tools::Loaded loaded = refinement::tools::load(options);
   const double load_ms = stopwatch.lap_ms();
-  const refinement::Zoom zoom = refinement::zoom(loaded.domain, loaded.state, loaded.action);
+  const refinement::Zoom zoom = zoomOf(options, loaded);
   const double zoom_ms = stopwatch.lap_ms();
-  const refinement::PomdpTask task = refinement::generatePomdp(
-      loaded.domain, loaded.models, zoom, refinement::tools::knowledgeOf(options, zoom));
-  const double generate_ms = stopwatch.lap_ms();
-
   printZoom(loaded.domain, zoom);
-  const pomdp::Model& model = task.model();
-  std::cout << "POMDP: " << model.numStates() << " states, " << model.numActions() << " actions, "
-            << model.numObservations() << " observations\n"
-            << "Start: " << task.summary(model.initialBelief()) << "\n"
-            << "Time: load " << load_ms << " ms, zoom " << zoom_ms << " ms, generate "
-            << generate_ms << " ms\n";
-  if (!options.pomdp.empty())
-  {
-    std::ofstream out(options.pomdp);
-    pomdp::writePomdp(out, model);
-    out.close();
-    if (!out)
+  (void)stopwatch.lap_ms();
+  const refinement::PomdpTask task = refinement::generatePomdp(
+      loaded.domain, loaded.models, zoom, refinement::tools::knowledgeOf(options, zoom),
+      {options.max_states});
+  const double generate_ms = stopwatch.lap_ms();
+  const refinement::FactoredTask factors = refinement::factored(task);
+  const double factor_ms = stopwatch.lap_ms();
+
+  printModel(task, factors, options.max_names);
+  std::cout << "\nCPU: load " << fixed(load_ms) << " ms, zoom " << fixed(zoom_ms)
+            << " ms, generate " << fixed(generate_ms) << " ms, factor " << fixed(factor_ms)
+            << " ms\n";
+  writeFile(options.pomdp, [&](std::ostream& out) {
+    if (options.numbered)
     {
-      throw Unavailable("cannot write '" + options.pomdp + "'");
+      pomdp::writePomdpNumbered(out, task.model());
     }
-  }
+    else
+    {
+      pomdp::writePomdp(out, task.model());
+    }
+  });
+  writeFile(options.pomdpx, [&](std::ostream& out) { pomdp::writePomdpx(out, factors.model); });
   if (options.solve_s > 0.0)
   {
     solve(task, options.solve_s);
+  }
+}
+
+void addOptions(CLI::App& app, ZoomOptions& options)
+{
+  refinement::tools::addDomainOptions(app, options);
+  refinement::tools::addTaskOptions(app, options);
+  app.add_flag("--flat", options.flat,
+               "zoom nothing away: the whole domain, for the effects of --action or for --goal");
+  app.add_option("--goal", options.goal, "with --flat: high-level literals joined by commas");
+  app.add_option("--pomdp", options.pomdp,
+                 "write the flat POMDP to this file (Cassandra's format)");
+  app.add_flag("--numbered", options.numbered,
+               "in it, numbers for names, which comments say: other tools read no 'loc(rob1)=c1'");
+  app.add_option("--pomdpx", options.pomdpx,
+                 "write the POMDP in factors to this file, with what is always known as observed");
+  app.add_option("--solve", options.solve_s, "solve it for so many seconds and simulate the policy")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--max-states", options.max_states, "most physical states");
+  app.add_option("--names", options.max_names, "most names of unreachable states and the like");
+  app.footer(
+      "Example:\n  kr3_zoom domains/office --state \"loc(rob1)=kitchen, loc(mug1)=kitchen\" "
+      "--action \"grasp(rob1, mug1)\" --hidden \"loc(mug1)=0.8\" --solve 0.1");
+}
+
+/// @throws InvalidArgument  options that do not fit together
+void check(const ZoomOptions& options)
+{
+  if (!options.goal.empty() && !options.flat)
+  {
+    throw InvalidArgument("--goal is for --flat; without it the goal is the effects of --action");
+  }
+  if (options.action.empty() && options.goal.empty())
+  {
+    throw InvalidArgument(options.flat ? "--flat needs --action or --goal" : "--action is missing");
+  }
+  if (!options.action.empty() && !options.goal.empty())
+  {
+    throw InvalidArgument("--action and --goal exclude each other");
+  }
+  if (!(options.solve_s >= 0.0))
+  {
+    throw InvalidArgument("--solve " + std::to_string(options.solve_s) + ": expected seconds");
+  }
+  if (options.numbered && options.pomdp.empty())
+  {
+    throw InvalidArgument("--numbered is for --pomdp FILE");
   }
 }
 
@@ -101,14 +248,20 @@ void run(const refinement::tools::Options& options)
 
 int main(int argc, char** argv)
 {
+  ZoomOptions options;
+  CLI::App app{"Shows what matters to a high-level action, and the POMDP that it becomes."};
+  app.option_defaults()->always_capture_default();
+  addOptions(app, options);
+  CLI11_PARSE(app, argc, argv);
   try
   {
-    run(refinement::tools::parse(
-        argc, argv, "Shows what matters to a high-level action, and the POMDP that it becomes."));
+    check(options);
+    run(options);
     return EXIT_SUCCESS;
   }
   catch (const std::exception& error)
   {
+    std::cout.flush();
     std::cerr << "kr3_zoom: " << error.what() << "\n";
     return EXIT_FAILURE;
   }
