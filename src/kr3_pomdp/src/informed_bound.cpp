@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "paced_question.hpp"
+
 namespace kr3::pomdp
 {
 
@@ -82,7 +84,7 @@ double greatestAt(const std::vector<std::vector<double>>& vectors, std::size_t s
 /// Q of the fully observed model, in place (each new value is used at once,
 /// which stays above).
 double observedSweep(const ObservedModel& model, std::vector<std::vector<double>>& values,
-                     InformedVectors& vectors, const std::function<bool()>& keep_going)
+                     InformedVectors& vectors, PacedQuestion& keep_going)
 {
   double change = 0.0;
   for (std::size_t c = model.classes().size(); c-- > 0;)
@@ -90,11 +92,11 @@ double observedSweep(const ObservedModel& model, std::vector<std::vector<double>
     const StateClass& state_class = model.classes()[c];
     for (std::size_t a = 0; a < state_class.actions.size(); ++a)
     {
-      if (!keep_going())
+      const ClassAction& action = state_class.actions[a];
+      if (!keep_going(state_class.states.size() * action.branches.size()))
       {
         return 0.0;
       }
-      const ClassAction& action = state_class.actions[a];
       for (std::size_t s = 0; s < state_class.states.size(); ++s)
       {
         double sum = 0.0;
@@ -119,7 +121,7 @@ double observedSweep(const ObservedModel& model, std::vector<std::vector<double>
 }
 
 double informedSweep(const ObservedModel& model, InformedVectors& vectors,
-                     const std::function<bool()>& keep_going)
+                     PacedQuestion& keep_going)
 {
   double change = 0.0;
   for (std::size_t c = model.classes().size(); c-- > 0;)
@@ -127,11 +129,12 @@ double informedSweep(const ObservedModel& model, InformedVectors& vectors,
     const StateClass& state_class = model.classes()[c];
     for (std::size_t a = 0; a < state_class.actions.size(); ++a)
     {
-      if (!keep_going())
+      const ClassAction& action = state_class.actions[a];
+      // Each row meets the vectors of all actions.
+      if (!keep_going(state_class.states.size() * action.branches.size() * model.numActions()))
       {
         return 0.0;
       }
-      const ClassAction& action = state_class.actions[a];
       for (std::size_t s = 0; s < state_class.states.size(); ++s)
       {
         double sum = 0.0;
@@ -166,13 +169,13 @@ double informedSweep(const ObservedModel& model, InformedVectors& vectors,
 
 /// One action for ever, in place (each new value is used at once, which stays below).
 double blindSweep(const ObservedModel& model, std::size_t a, InformedVectors& vectors,
-                  const std::function<bool()>& keep_going)
+                  PacedQuestion& keep_going)
 {
   double change = 0.0;
   for (std::size_t c = model.classes().size(); c-- > 0;)
   {
     const StateClass& state_class = model.classes()[c];
-    if (!keep_going())
+    if (!keep_going(state_class.states.size()))
     {
       return 0.0;
     }
@@ -251,16 +254,17 @@ InformedVectors informedBound(const ObservedModel& model, const std::function<bo
     }
   }
   const double enough = kTolerance * range.scale();
-  for (int i = 0; i < kMaxSweeps && keep_going(); ++i)
+  PacedQuestion paced(keep_going);
+  for (int i = 0; i < kMaxSweeps && paced(1); ++i)
   {
-    if (observedSweep(model, values, vectors, keep_going) < enough)
+    if (observedSweep(model, values, vectors, paced) < enough)
     {
       break;
     }
   }
-  for (int i = 0; i < kMaxInformedSweeps && keep_going(); ++i)
+  for (int i = 0; i < kMaxInformedSweeps && paced(1); ++i)
   {
-    if (informedSweep(model, vectors, keep_going) < kInformedTolerance * range.scale())
+    if (informedSweep(model, vectors, paced) < kInformedTolerance * range.scale())
     {
       break;
     }
@@ -290,6 +294,7 @@ InformedVectors blindBound(const ObservedModel& model, const std::function<bool(
       std::fill(of_class[a].begin(), of_class[a].end(), least / (1.0 - model.discount()));
     }
   }
+  PacedQuestion paced(keep_going);
   for (std::size_t a = 0; a < model.numActions(); ++a)
   {
     for (std::size_t c = 0; c < vectors.size(); ++c)
@@ -303,9 +308,9 @@ InformedVectors blindBound(const ObservedModel& model, const std::function<bool(
         }
       }
     }
-    for (int i = 0; i < kMaxBlindSweeps && keep_going(); ++i)
+    for (int i = 0; i < kMaxBlindSweeps && paced(1); ++i)
     {
-      if (blindSweep(model, a, vectors, keep_going) < kBlindTolerance * range.scale())
+      if (blindSweep(model, a, vectors, paced) < kBlindTolerance * range.scale())
       {
         break;
       }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -11,6 +12,7 @@
 
 #include "belief_graph.hpp"
 #include "kr3_pomdp/start_value.hpp"
+#include "paced_question.hpp"
 #include "search_team.hpp"
 #include "solver_parts.hpp"
 #include "supervisor.hpp"
@@ -53,10 +55,11 @@ AlphaVector blindVector(const Model& model, const std::function<bool()>& keep_go
     least =
         std::min(least, *std::min_element(model.rewards(a), model.rewards(a) + model.numStates()));
   }
+  PacedQuestion paced(keep_going);
   for (std::size_t a = 0; a < model.numActions(); ++a)
   {
     std::vector<double> values(model.numStates(), least / (1.0 - model.discount()));
-    for (int sweep = 0; sweep < 300 && keep_going(); ++sweep)
+    for (int sweep = 0; sweep < 300 && paced(model.numStates()); ++sweep)
     {
       for (std::size_t s = 0; s < values.size(); ++s)
       {
@@ -82,6 +85,40 @@ AlphaVector blindVector(const Model& model, const std::function<bool()>& keep_go
   return best;
 }
 
+/// The same from what is known of blind plans within each class.
+AlphaVector blindVector(const ObservedModel& observed, const InformedVectors& blind)
+{
+  const Model& model = observed.model();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < model.numActions(); ++a)
+  {
+    least =
+        std::min(least, *std::min_element(model.rewards(a), model.rewards(a) + model.numStates()));
+  }
+  AlphaVector best;
+  double best_value = -std::numeric_limits<double>::infinity();
+  for (std::size_t a = 0; a < model.numActions(); ++a)
+  {
+    std::vector<double> values(model.numStates(), least / (1.0 - model.discount()));
+    for (std::size_t c = 0; c < blind.size(); ++c)
+    {
+      const std::vector<std::uint32_t>& states = observed.classes()[c].states;
+      for (std::size_t i = 0; i < states.size(); ++i)
+      {
+        values[states[i]] = std::max(values[states[i]], blind[c][a][i]);
+      }
+    }
+    const double value = std::inner_product(values.begin(), values.end(),
+                                            model.initialBelief().probabilities().begin(), 0.0);
+    if (value > best_value)
+    {
+      best_value = value;
+      best = {a, {}, std::move(values)};
+    }
+  }
+  return best;
+}
+
 /// Plans for all states of a model with discount 1: the base plan where that is one action, else
 /// each action and then the base plan.
 std::vector<AlphaVector> plansForAll(const Model& model, const UndiscountedBounds& first)
@@ -98,14 +135,10 @@ std::vector<AlphaVector> plansForAll(const Model& model, const UndiscountedBound
   return plans;
 }
 
-/// @param keep_going  asked while a plan for all states is improved
-Policy policyOf(const BeliefGraph& graph, const std::optional<UndiscountedBounds>& first,
-                const std::function<bool()>& keep_going)
+/// @param vectors  plans for all states
+Policy policyOf(const BeliefGraph& graph, std::vector<AlphaVector> vectors)
 {
   const ObservedModel& observed = graph.model();
-  std::vector<AlphaVector> vectors =
-      first ? plansForAll(observed.model(), *first)
-            : std::vector<AlphaVector>{blindVector(observed.model(), keep_going)};
   for (std::size_t c = 0; c < observed.classes().size(); ++c)
   {
     const VectorSet& set = graph.vectors()[c];
@@ -183,13 +216,24 @@ SolveResult solvePrepared(const Model& model, const SolverLimits& limits, const 
   const UndiscountedBounds* start = first ? &*first : nullptr;
   InformedVectors informed = informedBound(observed, in_time, start);
   const InformedVectors blind = blindBound(observed, in_time, start);
+  const bool cut_short = supervisor.isUrgent();
   if (!parts.informed_vectors)
   {
     keepCorners(informed);
   }
   SearchTeam team(observed, std::move(informed), blind, limits, parts, supervisor);
   team.run();
-  Policy policy = policyOf(team.graph(), first, patience(supervisor));
+  std::vector<AlphaVector> for_all;
+  if (first)
+  {
+    for_all = plansForAll(model, *first);
+  }
+  else
+  {
+    for_all.push_back(cut_short ? blindVector(model, patience(supervisor))
+                                : blindVector(observed, blind));
+  }
+  Policy policy = policyOf(team.graph(), std::move(for_all));
   const double lower = startValue(model, policy);
   return {std::move(policy),
           lower,
