@@ -55,7 +55,7 @@ public:
 
   Binding binding(const YAML::Node& node)
   {
-    reader_.checkKeys(node, {"action", "server", "skill", "arguments", "outcomes",
+    reader_.checkKeys(node, {"action", "for", "server", "skill", "arguments", "outcomes",
                              "expected_duration_s", "time_limit_s"});
     Binding binding;
     const LiteralText head = takeApart(reader_.text(node, "action"));
@@ -80,12 +80,99 @@ public:
                                           " parameters of '" + binding.action + "', expected " +
                                           std::to_string(declared->argument_sorts.size()));
     }
+    else
+      readFor(node["for"], binding);
     readArguments(node["arguments"], binding);
     readOutcomes(node["outcomes"], binding);
     return binding;
   }
 
+  /// A sensor of `sightings: watches`.
+  Watch watch(const YAML::Node& node)
+  {
+    reader_.checkKeys(node, {"topic", "becomes", "literal", "confidence"});
+    Watch watch;
+    watch.topic = reader_.text(node, "topic");
+    watch.becomes = reader_.truth(node, "becomes", true);
+    watch.confidence = reader_.number(node, "confidence", 1.0);
+    if (!(watch.confidence > 0.0 && watch.confidence <= 1.0))
+      reader_.problem(node["confidence"], "confidence outside (0, 1]");
+    const LiteralText literal = takeApart(reader_.text(node, "literal"));
+    watch.holds = literal.value == "true";
+    const auto* fluent = low_level_.findFluent(literal.symbol);
+    if (fluent == nullptr || fluent->value_sort || !literal.isBoolean())
+    {
+      reader_.problem(node["literal"], "'" + literal.symbol + "', expected a boolean fluent");
+      return watch;
+    }
+    if (fluent->argument_sorts.size() != literal.arguments.size())
+    {
+      reader_.problem(node["literal"], std::to_string(literal.arguments.size()) +
+                                           " arguments of '" + literal.symbol + "', expected " +
+                                           std::to_string(fluent->argument_sorts.size()));
+      return watch;
+    }
+    std::vector<LiteralText> instances{literal};
+    for (std::size_t i = 0; i < literal.arguments.size(); ++i)
+    {
+      if (!isVariable(literal.arguments[i]))
+        continue;
+      std::vector<LiteralText> longer;
+      for (const auto& instance : instances)
+      {
+        for (const auto& element : low_level_.findSort(fluent->argument_sorts[i])->elements)
+        {
+          longer.push_back(instance);
+          longer.back().arguments[i] = element;
+        }
+      }
+      instances = std::move(longer);
+    }
+    for (const auto& instance : instances)
+      watch.fluents.push_back(instance.fluent());
+    return watch;
+  }
+
+  /// What a skill that looks about says of what it sees; it fills in the names.
+  void checkSeen(const YAML::Node& node)
+  {
+    if (!node)
+      return;
+    const std::string text = node.IsScalar() ? node.Scalar() : std::string();
+    const LiteralText literal = takeApart(text);
+    const auto* fluent = low_level_.findFluent(literal.symbol);
+    if (fluent == nullptr || text.find("${object}") == std::string::npos ||
+        text.find("${cell}") == std::string::npos)
+      reader_.problem(node,
+                      "'" + text + "', expected a fluent's literal with ${object} and ${cell}");
+  }
+
 private:
+  void readFor(const YAML::Node& node, Binding& binding)
+  {
+    if (!node)
+      return;
+    if (!node.IsMap())
+    {
+      reader_.problem(node, "'for' is no map from parameters to sorts");
+      return;
+    }
+    for (const auto& entry : node)
+    {
+      const auto parameter = entry.first.as<std::string>();
+      const auto at = std::find(binding.parameters.begin(), binding.parameters.end(), parameter);
+      const auto* sort = low_level_.findSort(entry.second.as<std::string>(""));
+      if (at == binding.parameters.end())
+        reader_.problem(entry.first,
+                        "'" + parameter + "', expected one of " + listed(binding.parameters));
+      else if (sort == nullptr)
+        reader_.problem(entry.second, "'" + entry.second.as<std::string>("") + "' is no sort");
+      else
+        binding.only_for[static_cast<std::size_t>(at - binding.parameters.begin())] = {
+            sort->elements.begin(), sort->elements.end()};
+    }
+  }
+
   [[nodiscard]] std::string names() const
   {
     std::vector<std::string> known;
@@ -162,7 +249,7 @@ Bindings Bindings::parse(const std::string& text, const std::string& file,
                          const reasoner::Description& low_level)
 {
   YamlReader reader(text, file);
-  reader.checkKeys(reader.root(), {"actions", "phrases"});
+  reader.checkKeys(reader.root(), {"actions", "phrases", "sightings"});
   Bindings bindings;
   Loader loader(reader, low_level);
   if (!reader.root()["actions"].IsSequence())
@@ -171,7 +258,9 @@ Bindings Bindings::parse(const std::string& text, const std::string& file,
   {
     Binding binding = loader.binding(node);
     const std::string name = binding.action;
-    if (!bindings.actions_.emplace(name, std::move(binding)).second)
+    if (!binding.only_for.empty())
+      bindings.special_.push_back(std::move(binding));
+    else if (!bindings.actions_.emplace(name, std::move(binding)).second)
       reader.problem(node, "a second binding of '" + name + "'");
   }
   for (const auto& action : low_level.actions)
@@ -191,8 +280,33 @@ Bindings Bindings::parse(const std::string& text, const std::string& file,
     bindings.phrases_[name] = {reader.text(entry.second, "holds"),
                                reader.optionalText(entry.second, "refuted")};
   }
+  if (const auto sightings = reader.root()["sightings"])
+  {
+    reader.checkKeys(sightings, {"seen", "watches"});
+    loader.checkSeen(sightings["seen"]);
+    for (const auto& node : sightings["watches"])
+      bindings.watches_.push_back(loader.watch(node));
+  }
   reader.finish();
   return bindings;
+}
+
+const Binding& Bindings::bindingOf(const LowLevelAction& action) const
+{
+  for (const auto& binding : special_)
+  {
+    const bool fits =
+        binding.action == action.symbol &&
+        std::all_of(binding.only_for.begin(), binding.only_for.end(), [&](const auto& only) {
+          return only.second.count(action.arguments.at(only.first)) != 0;
+        });
+    if (fits)
+      return binding;
+  }
+  const auto found = actions_.find(action.symbol);
+  if (found == actions_.end())
+    throw NotFound("no binding for action '" + action.symbol + "'");
+  return found->second;
 }
 
 std::vector<std::string> Bindings::servers() const
@@ -200,15 +314,14 @@ std::vector<std::string> Bindings::servers() const
   std::set<std::string> names;
   for (const auto& entry : actions_)
     names.insert(entry.second.server);
+  for (const auto& binding : special_)
+    names.insert(binding.server);
   return {names.begin(), names.end()};
 }
 
 SkillCall Bindings::call(const LowLevelAction& action, const FluentLookup& believed) const
 {
-  const auto found = actions_.find(action.symbol);
-  if (found == actions_.end())
-    throw NotFound("no binding for action '" + action.symbol + "'");
-  const Binding& binding = found->second;
+  const Binding& binding = bindingOf(action);
   const auto valueOf = [&](const std::string& name) {
     const auto at = std::find(binding.parameters.begin(), binding.parameters.end(), name);
     return at == binding.parameters.end()
@@ -241,13 +354,11 @@ std::vector<std::string> Bindings::observation(const LowLevelAction& action,
                                                const std::string& outcome,
                                                const std::vector<std::string>& observed) const
 {
-  const auto found = actions_.find(action.symbol);
-  if (found == actions_.end())
-    throw NotFound("no binding for action '" + action.symbol + "'");
-  const auto truths = found->second.outcomes.find(outcome);
-  if (truths == found->second.outcomes.end())
+  const Binding& binding = bindingOf(action);
+  const auto truths = binding.outcomes.find(outcome);
+  if (truths == binding.outcomes.end())
   {
-    throw InvalidArgument("skill '" + found->second.skill + "' gave outcome '" + outcome +
+    throw InvalidArgument("skill '" + binding.skill + "' gave outcome '" + outcome +
                           "', which the bindings do not list for " + action.symbol);
   }
   std::vector<std::string> values;
@@ -261,7 +372,7 @@ std::vector<std::string> Bindings::observation(const LowLevelAction& action,
       continue;
     }
     if (next_value >= observed.size())
-      throw InvalidArgument("skill '" + found->second.skill + "' observed nothing with outcome '" +
+      throw InvalidArgument("skill '" + binding.skill + "' observed nothing with outcome '" +
                             outcome + "', expected a value");
     values.push_back(observed[next_value++]);
   }

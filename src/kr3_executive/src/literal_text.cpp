@@ -1,6 +1,7 @@
 #include "literal_text.hpp"
 
 #include <algorithm>
+#include <cctype>
 
 namespace kr3::executive
 {
@@ -54,6 +55,11 @@ LiteralText takeApart(const std::string& text)
     begin = comma + 1;
   }
   return literal;
+}
+
+bool isVariable(const std::string& term)
+{
+  return !term.empty() && std::isupper(static_cast<unsigned char>(term.front())) != 0;
 }
 
 std::string listed(const std::vector<std::string>& items)

@@ -22,6 +22,9 @@ struct LiteralText
 /// @param text  well-formed, as the language prints it
 [[nodiscard]] LiteralText takeApart(const std::string& text);
 
+/// Whether a term is a variable of the language: it begins with a capital letter.
+[[nodiscard]] bool isVariable(const std::string& term);
+
 /// "a, b and c"; "nothing" for none.
 [[nodiscard]] std::string listed(const std::vector<std::string>& items);
 

@@ -16,11 +16,6 @@ namespace
 
 using Binding = std::map<std::string, std::string>;
 
-bool isVariable(const std::string& term)
-{
-  return !term.empty() && std::isupper(static_cast<unsigned char>(term.front())) != 0;
-}
-
 /// The text with each variable of the binding replaced.
 std::string substituted(const std::string& text, const Binding& binding)
 {

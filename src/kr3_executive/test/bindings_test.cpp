@@ -95,5 +95,62 @@ TEST(Bindings, RejectsUnknownKeysAndBadYaml)
   EXPECT_NE(problemOf("actions: [").find("bindings.yaml:"), std::string::npos);
 }
 
+const std::string kForCups =
+    "  - {action: 'look(R, T)', for: {T: thing}, server: hand, skill: feel, arguments: [T],\n"
+    "     outcomes: {yes: ['true'], dark: ['false']}}\n";
+
+TEST(Bindings, OfASortGoBeforeTheOthers)
+{
+  const LowLevelAction look{"look(rob1,cup)", "look", {"rob1", "cup"}};
+  const auto nowhere = [](const std::string&) { return std::string("s1"); };
+  const auto bindings = Bindings::parse(kGood + kForCups, "bindings.yaml", description());
+  EXPECT_EQ(bindings.call(look, nowhere).server, "hand");
+  EXPECT_EQ(bindings.observation(look, "dark", {}), std::vector<std::string>{"false"});
+  EXPECT_THROW(static_cast<void>(bindings.observation(look, "no", {})), InvalidArgument);
+  EXPECT_EQ(bindings.servers(), (std::vector<std::string>{"drive", "eye", "hand"}));
+  // The same for a sort without the argument changes nothing.
+  std::string other = kForCups;
+  other.replace(other.find("{T: thing}"), 10, "{T: spot}");
+  EXPECT_EQ(
+      Bindings::parse(kGood + other, "bindings.yaml", description()).call(look, nowhere).server,
+      "eye");
+}
+
+TEST(Bindings, WatchEveryInstanceOfALiteral)
+{
+  const auto bindings = Bindings::parse(
+      kGood +
+          "sightings:\n  seen: 'at(${object}) = ${cell}'\n  watches:\n"
+          "    - {topic: eye/open, becomes: false, literal: '-seen(T)', confidence: 0.9}\n",
+      "bindings.yaml", description());
+  ASSERT_EQ(bindings.watches().size(), 1U);
+  const Watch& watch = bindings.watches().front();
+  EXPECT_EQ(watch.topic, "eye/open");
+  EXPECT_FALSE(watch.becomes);
+  EXPECT_FALSE(watch.holds);
+  EXPECT_EQ(watch.fluents, std::vector<std::string>{"seen(cup)"});
+  EXPECT_DOUBLE_EQ(watch.confidence, 0.9);
+}
+
+TEST(Bindings, NameWhatIsWrongWithSortsAndSightings)
+{
+  const auto expectProblem = [](const std::string& text, const std::string& problem) {
+    EXPECT_NE(problemOf(text).find(problem), std::string::npos) << problemOf(text);
+  };
+  std::string bad = kForCups;
+  bad.replace(bad.find("{T: thing}"), 10, "{X: thing}");
+  expectProblem(kGood + bad, "bindings.yaml:5: 'X', expected one of R and T");
+  bad = kForCups;
+  bad.replace(bad.find("{T: thing}"), 10, "{T: thong}");
+  expectProblem(kGood + bad, "bindings.yaml:5: 'thong' is no sort");
+  expectProblem(kGood + "sightings: {seen: 'at(${object})'}\n", "with ${object} and ${cell}");
+  expectProblem(kGood + "sightings: {watches: [{topic: t, literal: 'at(R) = s1'}]}\n",
+                "expected a boolean fluent");
+  expectProblem(kGood + "sightings: {watches: [{topic: t, literal: 'seen(R, T)'}]}\n",
+                "2 arguments of 'seen', expected 1");
+  expectProblem(kGood + "sightings: {watches: [{topic: t, literal: 'seen(T)', confidence: 0}]}\n",
+                "confidence outside (0, 1]");
+}
+
 }  // namespace
 }  // namespace kr3::executive

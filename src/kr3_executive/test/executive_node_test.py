@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Contract of executive_node, with the real reasoner and policy server and a scripted robot.
 
-The robot is a table: rooms of two cells each, where skills always do what they are asked to do.
+The robot is a table: rooms of two cells each, where skills do what they are asked to do unless a test says otherwise.
 """
 
 import json
@@ -30,13 +30,14 @@ from kr3_msgs.msg import (
     Status,
 )
 from kr3_msgs.srv import Tell
+from std_msgs.msg import Bool
 
 PLACES = ["office", "main_library", "aux_library", "kitchen", "study_corner", "corridor"]
 GOAL = "loc(tb1) = study_corner and not in_hand(rob1, tb1)"
 
 
 class ScriptedRobot:
-    """The cells of a map and four skill servers over one true state."""
+    """The cells of a map and five skill servers over one true state."""
 
     def __init__(self):
         self.lock = threading.Lock()
@@ -44,16 +45,22 @@ class ScriptedRobot:
         self.book = "aux_library_c0"
         self.held = False
         self.slip_to = None  # where the next drive ends instead
+        self.drop = False  # the next drive with the book loses it at its start
+        self.people = []  # what the persons do who are asked to hand over: True: hand over, False: never come
+        self.asked = 0
         self.hold_search = threading.Event()  # cleared: a search waits until it is cancelled
         self.hold_search.set()
         self.searching = threading.Event()
         self.cells = rospy.Publisher("cells", CellArray, queue_size=1, latch=True)
         self.cells.publish(self._cells())
         self.servers = []
+        self.holding = rospy.Publisher("gripper/holding", Bool, queue_size=1, latch=True)
+        self.holding.publish(Bool(False))
         for name, work in (
             ("move_to", self._move),
             ("search", self._search),
             ("grasp", self._grasp),
+            ("hand_over", self._hand_over),
             ("put_down", self._put_down),
         ):
             server = actionlib.SimpleActionServer("skills/" + name, ExecuteSkillAction, None, False)
@@ -84,6 +91,12 @@ class ScriptedRobot:
             server.set_succeeded(result)
 
     def _move(self, _server, arguments, result):
+        dropped = self.drop and self.held
+        if dropped:
+            with self.lock:
+                self.held = self.drop = False
+            self.holding.publish(Bool(False))
+            rospy.sleep(0.3)  # the message arrives long before a drive is over
         with self.lock:
             result.outcome = "slipped" if self.slip_to else "reached"
             self.robot, self.slip_to = self.slip_to or arguments[0], None
@@ -106,12 +119,23 @@ class ScriptedRobot:
         with self.lock:
             self.held = self.held or (arguments == ["tb1", self.robot] and self.book == self.robot)
             result.outcome = "succeeded" if self.held else "failed"
+        self.holding.publish(Bool(self.held))
+        return True
+
+    def _hand_over(self, _server, arguments, result):
+        with self.lock:
+            self.asked += 1
+            willing = self.people.pop(0) if self.people else True
+            self.held = willing and arguments == ["tb1"] and self.book == self.robot
+            result.outcome = "succeeded" if self.held else "failed"
+        self.holding.publish(Bool(self.held))
         return True
 
     def _put_down(self, _server, _arguments, result):
         with self.lock:
             self.held = False
             result.outcome = "succeeded"
+        self.holding.publish(Bool(False))
         return True
 
 
@@ -251,6 +275,26 @@ class ExecutiveNodeTest(unittest.TestCase):
         self.assertTrue(result.achieved)
         self.assertEqual(result.ll_actions, 0)
         self.assertEqual(len(self.state().history), records)
+
+    def restart(self, **overrides):
+        """A node without a past, with these parameters on top."""
+        os.killpg(self.node.pid, signal.SIGINT)
+        self.assertEqual(self.node.wait(timeout=30), 0)
+        type(self).node = start_node(max_backups=500, **overrides)
+        threading.Thread(target=self._collect, args=(self.node,), daemon=True).start()
+        self.assertTrue(self.client.wait_for_server(rospy.Duration(60)))
+        self.robot.robot, self.robot.book, self.robot.held = "office_c1", "main_library_c0", False
+
+    def test_6_b_a_person_who_does_not_come_is_asked_again(self):
+        domain = os.path.realpath(rospy.get_param("~domain"))
+        self.restart(bindings=f"{domain}/bindings_hand_over.yaml")
+        self.robot.people, self.robot.asked = [False], 0
+        result = self.achieve("in_hand(rob1, tb1)")
+        self.assertTrue(result.achieved, result.reason)
+        self.assertTrue(self.robot.held)
+        self.assertEqual(self.robot.asked, 2)
+        grasps = [r for r in self.state().history if r.statement == "grasp(rob1, tb1)"]
+        self.assertEqual(len(grasps), 1, "the high level hears of one grasp")
 
     def test_7_bad_parameters_are_all_named_at_once(self):
         os.killpg(self.node.pid, signal.SIGINT)

@@ -49,6 +49,7 @@ class FakeWorld:
         self.x, self.y, self.yaw = 2.0, 2.0, 0.0
         self.speed, self.turn = 0.0, 0.0
         self.cup = (3.0, 1.0)  # or HELD, or None
+        self.book = None  # a second object, where it stands
         self.reachable = True
         self.frames = 0
         self.tf = tf2_ros.TransformBroadcaster()
@@ -87,7 +88,10 @@ class FakeWorld:
             self.speed, self.turn = twist.linear.x, twist.angular.z
 
     def cup_from_robot(self):
-        dx, dy = self.cup[0] - self.x, self.cup[1] - self.y
+        return self.from_robot(self.cup)
+
+    def from_robot(self, point):
+        dx, dy = point[0] - self.x, point[1] - self.y
         bearing = math.atan2(dy, dx) - self.yaw
         return math.hypot(dx, dy), math.atan2(math.sin(bearing), math.cos(bearing))
 
@@ -165,11 +169,13 @@ class FakeWorld:
     def picture(self):
         message = DetectionArray()
         message.header.stamp, message.header.frame_id = self.now, "camera_optical_frame"
-        if isinstance(self.cup, tuple):
-            distance, bearing = self.cup_from_robot()
+        for name, point in (("cup", self.cup), ("book", self.book)):
+            if not isinstance(point, tuple):
+                continue
+            distance, bearing = self.from_robot(point)
             if abs(bearing) < VIEW_RAD / 2.0:
                 found = Detection(
-                    name="cup", class_name="kitchenware", probability=0.95, has_position=True
+                    name=name, class_name="thing", probability=0.95, has_position=True
                 )
                 found.position.x = -distance * math.sin(bearing)
                 found.position.y = 0.5  # on the floor: below the laser
@@ -186,7 +192,15 @@ class SkillNodeTest(unittest.TestCase):
         objects = pathlib.Path(cls.folder.name) / "objects.yaml"
         objects.write_text("objects: [{name: cup}, {name: book}]\n", encoding="utf-8")
         cls.objects = str(objects)
-        rospy.set_param("/skill_node", {"objects": cls.objects})
+        bindings = pathlib.Path(cls.folder.name) / "bindings.yaml"
+        bindings.write_text(
+            'sightings: {seen: "stands(${object}) = ${cell}"}\n', encoding="utf-8"
+        )
+        cls.bindings = str(bindings)
+        unworded = pathlib.Path(cls.folder.name) / "unworded.yaml"
+        unworded.write_text('sightings: {seen: "stands(${object})"}\n', encoding="utf-8")
+        cls.unworded = str(unworded)
+        rospy.set_param("/skill_node", {"objects": cls.objects, "bindings": cls.bindings})
         cls.node = subprocess.Popen(["rosrun", "kr3_executive", "skill_node"])
         cls.clients = {}
         for skill in ("search", "grasp", "put_down", "hand_over"):
@@ -208,8 +222,12 @@ class SkillNodeTest(unittest.TestCase):
             self.world.x, self.world.y, self.world.yaw = 2.0, 2.0, 0.0
             self.world.speed = self.world.turn = 0.0
             self.world.cup = (3.0, 1.0)
+            self.world.book = None
             self.world.reachable = True
             self.world.holding.publish(Bool(False))
+            self.world.step(None)
+        # A skill that starts before the robot's new pose has arrived looks round from the old one.
+        threading.Event().wait(0.3)
 
     def run_skill(self, skill, arguments, time_limit=0.0):
         client = self.clients[skill]
@@ -240,6 +258,22 @@ class SkillNodeTest(unittest.TestCase):
         result = self.run_skill("search", ["hall_west", "book"])
         self.assert_ok(result, "not_found")
         self.assertEqual(result.observation, [])
+
+    def test_search_tells_what_it_sees_by_the_way(self):
+        self.world.book = (6.5, 2.2)
+        result = self.run_skill("search", ["hall_west", "cup"])
+        self.assert_ok(result, "found")
+        told = {sighting.literal: sighting.confidence for sighting in result.sightings}
+        self.assertLessEqual(set(told), {"stands(book) = hall_east"})
+        result = self.run_skill("search", ["hall_west", "book"])
+        self.assert_ok(result, "not_found")
+        told = {sighting.literal: sighting.confidence for sighting in result.sightings}
+        self.assertEqual(told.pop("stands(book) = hall_east", None), 0.95)
+        self.assertLessEqual(set(told), {"stands(cup) = hall_west"})
+        self.world.book = None
+        result = self.run_skill("search", ["hall_west", "book"])
+        self.assert_ok(result, "not_found")
+        self.assertEqual([s.literal for s in result.sightings], ["stands(cup) = hall_west"])
 
     def test_grasps_and_puts_down(self):
         self.assert_ok(self.run_skill("search", ["hall_west", "cup"]), "found")
@@ -318,6 +352,8 @@ class SkillNodeTest(unittest.TestCase):
         for params, word in (
             ({}, "objects"),
             ({"objects": "/nowhere.yaml"}, "/nowhere.yaml"),
+            ({"objects": self.objects, "bindings": "/nowhere.yaml"}, "bindings file"),
+            ({"objects": self.objects, "bindings": self.unworded}, "without ${cell}"),
             ({"objects": self.objects, "turn_sped": 1.0}, "turn_sped"),
             ({"objects": self.objects, "creep_speed": -1.0}, "creep_speed"),
         ):

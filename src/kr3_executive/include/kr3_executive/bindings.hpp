@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -25,6 +27,19 @@ struct Binding
   std::map<std::string, std::vector<std::string>> outcomes;
   double expected_duration_s = 10.0;
   double time_limit_s = 0.0;  ///< given to the skill; 0 = the server's own
+  /// Where the binding is for some arguments only: those, by the argument's index.
+  std::map<std::size_t, std::set<std::string>> only_for;
+};
+
+/// A sensor that notices, whatever the robot does, that some fluents have changed: a gripper that
+/// stops holding something.
+struct Watch
+{
+  std::string topic;                 ///< of std_msgs/Bool
+  bool becomes = true;               ///< the value that tells
+  std::vector<std::string> fluents;  ///< ground, boolean, of the low level
+  bool holds = true;                 ///< the value that they have then
+  double confidence = 1.0;           ///< (0, 1]
 };
 
 /// How a fluent is said to people; `{1}` is its first argument, `{value}` its value.
@@ -59,7 +74,9 @@ public:
   [[nodiscard]] static Bindings parse(const std::string& text, const std::string& file,
                                       const reasoner::Description& low_level);
 
+  /// Those for all arguments, by action.
   [[nodiscard]] const std::map<std::string, Binding>& actions() const { return actions_; }
+  [[nodiscard]] const std::vector<Watch>& watches() const { return watches_; }
   [[nodiscard]] const std::map<std::string, Phrase>& phrases() const { return phrases_; }
   /// Names of the servers in use, without duplicates.
   [[nodiscard]] std::vector<std::string> servers() const;
@@ -77,7 +94,12 @@ public:
       const std::vector<std::string>& observed) const;
 
 private:
+  /// @throws NotFound  no binding for the action
+  [[nodiscard]] const Binding& bindingOf(const LowLevelAction& action) const;
+
   std::map<std::string, Binding> actions_;
+  std::vector<Binding> special_;  // for some arguments; they go before actions_, the first one wins
+  std::vector<Watch> watches_;
   std::map<std::string, Phrase> phrases_;
   /// For each observation law of an action: whether its value comes from the skill's result.
   std::map<std::string, std::vector<bool>> valued_;

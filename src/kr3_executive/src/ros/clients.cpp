@@ -238,7 +238,8 @@ std::size_t RosPolicyServer::actionAt(const std::string& policy_id, const pomdp:
   return service.response.action_index;
 }
 
-RosExecutor::RosExecutor(ros::NodeHandle nh, const Bindings& bindings) : bindings_(bindings)
+RosExecutor::RosExecutor(ros::NodeHandle nh, const Bindings& bindings)
+  : bindings_(bindings), watches_(nh, bindings.watches())
 {
   for (const auto& name : bindings.servers())
     servers_[name] = std::make_unique<ActionPeer<kr3_msgs::ExecuteSkillAction>>(nh, name);
@@ -263,6 +264,7 @@ LowLevelResult RosExecutor::execute(const LowLevelAction& action, const FluentLo
   request.skill = call.skill;
   request.arguments = call.arguments;
   request.time_limit = ros::Duration(call.time_limit_s);
+  watches_.begin();
   const kr3_msgs::ExecuteSkillResult answer = servers_.at(call.server)->call(request, cancel, 0.0);
   if (cancel)
     throw Cancelled(action.text + " was cancelled");
@@ -274,6 +276,8 @@ LowLevelResult RosExecutor::execute(const LowLevelAction& action, const FluentLo
   result.duration_s = answer.duration_s;
   for (const auto& sighting : answer.sightings)
     result.sightings.push_back({sighting.literal, sighting.confidence});
+  for (auto& sighting : watches_.sightings(believed))
+    result.sightings.push_back(std::move(sighting));
   return result;
 }
 

@@ -15,6 +15,7 @@
 #include "action_peer.hpp"
 #include "kr3_executive/bindings.hpp"
 #include "kr3_executive/interfaces.hpp"
+#include "sensor_watches.hpp"
 
 namespace kr3::executive
 {
@@ -84,6 +85,7 @@ public:
 
 private:
   const Bindings& bindings_;
+  SensorWatches watches_;
   std::map<std::string, std::unique_ptr<ActionPeer<kr3_msgs::ExecuteSkillAction>>> servers_;
 };
 

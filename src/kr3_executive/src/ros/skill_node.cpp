@@ -34,10 +34,41 @@ std::set<std::string> objectNames(const std::string& path)
   }
 }
 
+/// The literal of the bindings that says where an object was seen; empty when there is none.
+std::string seenLiteral(const std::string& path)
+{
+  if (path.empty())
+    return {};
+  try
+  {
+    const YAML::Node sightings = YAML::LoadFile(path)["sightings"];
+    if (!sightings || !sightings["seen"])
+      return {};
+    const auto text = sightings["seen"].as<std::string>();
+    for (const char* part : {"${object}", "${cell}"})
+    {
+      if (text.find(part) == std::string::npos)
+        throw InvalidArgument(path + ": sightings: seen: '" + text + "' without " + part);
+    }
+    return text;
+  }
+  catch (const YAML::BadFile&)
+  {
+    throw Unavailable("cannot read bindings file '" + path + "'");
+  }
+  catch (const YAML::Exception& e)
+  {
+    throw InvalidArgument(path + ": " + e.what());
+  }
+}
+
 }  // namespace
 
 SkillNode::SkillNode(const ros::NodeHandle& nh, const SkillNodeConfig& config)
-  : config_(config), objects_(objectNames(config.objects)), robot_(nh, config.robot)
+  : config_(config)
+  , objects_(objectNames(config.objects))
+  , seen_literal_(seenLiteral(config.bindings))
+  , robot_(nh, config.robot)
 {
   ros::NodeHandle handle(nh);
   request_ = handle.advertise<std_msgs::String>(names::kHandOverRequest, 1, true);
@@ -114,12 +145,14 @@ void SkillNode::serve(Offer& offer, const kr3_msgs::ExecuteSkillGoal& goal)
     if (limit < ros::Duration(0.0))
       throw InvalidArgument("the time limit is negative");
     current_ = offer.name.c_str();
+    noticed_.clear();
     try
     {
       const Outcome outcome = (this->*offer.skill)(goal.arguments, run);
       result.outcome = outcome.label;
       result.observation = outcome.observation;
       result.confidence = outcome.confidence;
+      result.sightings = seenByTheWay(goal.arguments, outcome, run);
     }
     catch (...)
     {

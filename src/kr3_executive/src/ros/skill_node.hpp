@@ -14,6 +14,7 @@
 #include <std_srvs/Trigger.h>
 
 #include <kr3_msgs/ExecuteSkillAction.h>
+#include <kr3_msgs/Sighting.h>
 
 #include "kr3_executive/skills_search.hpp"
 #include "skill_node_config.hpp"
@@ -79,13 +80,22 @@ private:
   /// direction
   bool addSightings(const std::string& object, SearchLog& log, const Run& run);
 
+  /// Keeps the best sighting of each known object in an image.
+  void notice(const Seen& seen);
+  /// What was seen by the way during the skill, in the words of the domain.
+  [[nodiscard]] std::vector<kr3_msgs::Sighting> seenByTheWay(const Arguments& arguments,
+                                                             const Outcome& outcome,
+                                                             const Run& run);
+
   void checkObject(const std::string& name) const;
   void checkCell(const std::string& name, const Run& run);
 
   SkillNodeConfig config_;
   std::set<std::string> objects_;
+  std::string seen_literal_;  ///< with ${object} and ${cell}; empty: nothing is told
   SkillRobot robot_;
   std::map<std::string, Sighting> last_sighting_;  ///< by object; used by the running skill only
+  std::map<std::string, Sighting> noticed_;        ///< the best of each object in this skill
   std::mutex running_;                             ///< held by the skill that moves the robot
   bool confirmed_ = false;                         ///< changed by SkillRobot::notify()
 

@@ -46,6 +46,7 @@ SkillNodeConfig loadSkillNodeConfig(const ros::NodeHandle& private_nh)
   ParamReader params(private_nh);
   Reader read(params);
   config.objects = params.require<std::string>("objects");
+  config.bindings = params.get("bindings", config.bindings);
   SkillRobotConfig& robot = config.robot;
   robot.map_frame = params.get("map_frame", robot.map_frame);
   robot.base_frame = params.get("base_frame", robot.base_frame);

@@ -27,6 +27,9 @@ struct SkillRobotConfig
 struct SkillNodeConfig
 {
   std::string objects;  ///< path of the domain's objects file: the names that may be asked for
+  /// Path of the domain's bindings, for the literal that says where an object was seen; empty: what
+  /// is seen by the way is not told.
+  std::string bindings;
   SkillRobotConfig robot;
   SearchOptions search;
   ApproachOptions approach;

@@ -77,6 +77,7 @@ bool SkillNode::addSightings(const std::string& object, SearchLog& log, const Ru
   bool seen = false;
   for (const Seen& each : robot_.look(run.interruption))
   {
+    notice(each);
     if (each.name != object)
       continue;
     seen = seen || each.probability >= config_.search.accept_probability;
@@ -84,6 +85,46 @@ bool SkillNode::addSightings(const std::string& object, SearchLog& log, const Ru
       log.add({*each.p_map, each.probability});
   }
   return seen;
+}
+
+void SkillNode::notice(const Seen& seen)
+{
+  if (!seen.p_map || seen.probability < config_.search.accept_probability ||
+      objects_.count(seen.name) == 0)
+    return;
+  const Sighting sighting{*seen.p_map, seen.probability};
+  const auto [known, is_new] = noticed_.emplace(seen.name, sighting);
+  if (!is_new && sighting.probability > known->second.probability)
+    known->second = sighting;
+}
+
+std::vector<kr3_msgs::Sighting> SkillNode::seenByTheWay(const Arguments& arguments,
+                                                        const Outcome& outcome, const Run& run)
+{
+  std::vector<kr3_msgs::Sighting> told;
+  if (seen_literal_.empty() || noticed_.empty())
+    return told;
+  const CellMap cells = robot_.cells(run.interruption);
+  const std::string room =
+      cells.holding(robot_.pose(run.interruption).point(), {}, {}, 0.0, 0.0).room;
+  for (const auto& [object, sighting] : noticed_)
+  {
+    // What was asked for is told by the outcome, unless it is somewhere else.
+    const bool asked = std::find(arguments.begin(), arguments.end(), object) != arguments.end();
+    if (asked && outcome.label != kNotFound)
+      continue;
+    kr3_msgs::Sighting message;
+    message.literal = seen_literal_;
+    const auto fill = [&message](const std::string& place, const std::string& name) {
+      message.literal.replace(message.literal.find(place), place.size(), name);
+    };
+    fill("${object}", object);
+    fill("${cell}",
+         cells.holding(sighting.p_map, room, {}, 0.0, config_.search.other_room_penalty_m).name);
+    message.confidence = std::min(sighting.probability, 1.0);
+    told.push_back(std::move(message));
+  }
+  return told;
 }
 
 SkillNode::Outcome SkillNode::grasp(const Arguments& arguments, const Run& run)
