@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Both drivers decide alike: what executive_node decides on its inputs, with reasoner and policy server as nodes, is
-decided again in process (kr3_replay), to the last digit."""
+decided again in process (kr3_replay), to the last digit. KR3_REFERENCE_BAG=FILE: the first mission is kept there."""
 
 import json
 import os
@@ -13,10 +13,11 @@ import time
 import unittest
 
 import actionlib
+import rosbag
 import rospy
 import rostest
 from executive_node_test import GOAL, ScriptedRobot, start_node, stop_node
-from kr3_msgs.msg import AchieveAction, AchieveGoal, MissionInput, Status
+from kr3_msgs.msg import AchieveAction, AchieveGoal, MissionEvent, MissionInput, Status
 from kr3_msgs.srv import Tell
 
 KINDS = ("DOMAIN", "MISSION", "SKILL_RESULT", "TOLD", "CANCEL", "DECISION")
@@ -45,7 +46,9 @@ class ReplayOfTheNode(unittest.TestCase):
         cls.robot = ScriptedRobot()
         cls.peers = [Peer("kr3_reasoner", "reasoner_node"), Peer("kr3_pomdp", "policy_node")]
         cls.inputs = []
+        cls.events = []
         rospy.Subscriber("executive/inputs", MissionInput, cls.inputs.append, queue_size=10000)
+        rospy.Subscriber("executive/events", MissionEvent, cls.events.append, queue_size=10000)
         cls.client = actionlib.SimpleActionClient("executive/achieve", AchieveAction)
 
     @classmethod
@@ -56,6 +59,7 @@ class ReplayOfTheNode(unittest.TestCase):
 
     def setUp(self):
         del self.inputs[:]
+        del self.events[:]
         self.robot.searching.clear()
         self.robot.hold_search.set()
         self.place("office_c1", "main_library_c1")
@@ -121,11 +125,21 @@ class ReplayOfTheNode(unittest.TestCase):
         self.assertIn("all the same", output)
         self.assertNotIn("does not reach the mission's end", output)
 
+    def keep(self, file):
+        """Writes inputs and events into a bag."""
+        taken = [("executive/inputs", message) for message in self.inputs]
+        taken += [("executive/events", message) for message in self.events]
+        with rosbag.Bag(file, "w", compression=rosbag.Compression.BZ2) as bag:
+            for topic, message in sorted(taken, key=lambda item: item[1].header.stamp):
+                bag.write(topic, message, message.header.stamp)
+
     def test_1_a_mission_with_a_surprise(self):
         self.place("office_c1", "aux_library_c0")
         result = self.achieve()
         self.assertTrue(result.achieved, result.reason)
         self.expect_same()
+        if "KR3_REFERENCE_BAG" in os.environ:
+            self.keep(os.environ["KR3_REFERENCE_BAG"])
         seen = [
             m for m in self.inputs if '"observation":["true"]' in m.data and "search(" in m.data
         ]

@@ -7,7 +7,14 @@ import rosbag
 
 from kr3_experiments.errors import Kr3Error
 
-_KINDS = ("DOMAIN", "MISSION", "SKILL_RESULT", "TOLD", "CANCEL", "DECISION")  # kr3_msgs/MissionInput
+_KINDS = (
+    "DOMAIN",
+    "MISSION",
+    "SKILL_RESULT",
+    "TOLD",
+    "CANCEL",
+    "DECISION",
+)  # kr3_msgs/MissionInput
 
 
 def open_bag(file: Path) -> rosbag.Bag:

@@ -34,6 +34,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     what.add_argument(
         "--export", type=Path, metavar="FILE", help="write the inputs as JSON lines, for kr3_replay"
     )
+    parser.add_argument(
+        "--any-numbers",
+        action="store_true",
+        help="the same choices from other numbers count as the same, as in a bag of another machine",
+    )
     parser.add_argument("--mission", type=int, metavar="N", help="the bag's Nth mission only")
     parser.add_argument(
         "--set",
@@ -54,7 +59,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="LITERAL",
-        help='what is true in that world, such as "loc(tb1) = kitchen"',
+        help="ground literal of the high level that is true in that world",
     )
     parser.add_argument(
         "--port", type=int, help=f"port of the ROS master for --rate (default: {DEFAULT_PORT})"
@@ -84,6 +89,7 @@ def _recompute(args: argparse.Namespace, lines: List[str]) -> int:
         file.write_text("\n".join(lines) + "\n", encoding="utf-8")
         command = ["rosrun", "kr3_executive", "kr3_replay", str(file)]
         command += ["--check"] if args.check else []
+        command += ["--any-numbers"] if args.any_numbers else []
         command += ["--mission", str(args.mission)] if args.mission is not None else []
         command += ["--continue", str(args.seed)] if args.seed is not None else []
         for option in ("set", "true"):
