@@ -14,6 +14,17 @@ namespace
 
 using nlohmann::json;
 
+/// @throws InvalidArgument  the field is no whole number in [0, most]
+template <typename Count>
+Count countAt(const json& item, const char* field, Count most = std::numeric_limits<Count>::max())
+{
+  const json& value = item.at(field);
+  if (!value.is_number_unsigned() || value.get<std::uint64_t>() > most)
+    throw InvalidArgument(std::string(field) + " " + value.dump() +
+                          ", expected a number from 0 to " + std::to_string(most));
+  return value.get<Count>();
+}
+
 json toJson(const DomainFile& file)
 {
   return {{"name", file.name}, {"text", file.text}, {"hash", pomdp::contentHash(file.text)}};
@@ -118,11 +129,11 @@ json toJson(const Limits& limits)
 Limits limitsFromJson(const json& item)
 {
   Limits limits;
-  item.at("max_hl_actions").get_to(limits.max_hl_actions);
-  item.at("max_ll_actions").get_to(limits.max_ll_actions);
-  item.at("max_attempts").get_to(limits.max_attempts);
-  item.at("max_reopened").get_to(limits.max_reopened);
-  item.at("max_rebuilds").get_to(limits.max_rebuilds);
+  limits.max_hl_actions = countAt<std::uint32_t>(item, "max_hl_actions");
+  limits.max_ll_actions = countAt<std::uint32_t>(item, "max_ll_actions");
+  limits.max_attempts = countAt<std::uint32_t>(item, "max_attempts");
+  limits.max_reopened = countAt<std::uint32_t>(item, "max_reopened");
+  limits.max_rebuilds = countAt<std::uint32_t>(item, "max_rebuilds");
   item.at("threshold").get_to(limits.threshold);
   return limits;
 }
@@ -145,10 +156,10 @@ DriverConfig configFromJson(const json& item)
   config.limits = limitsFromJson(item.at("limits"));
   item.at("precision").get_to(config.budget.precision);
   item.at("solve_time_s").get_to(config.budget.time_s);
-  item.at("max_backups").get_to(config.budget.max_backups);
+  config.budget.max_backups = countAt<std::uint64_t>(item, "max_backups");
   item.at("default_probability").get_to(config.default_probability);
   item.at("least_hypothesis_probability").get_to(config.least_hypothesis_probability);
-  item.at("max_skill_retries").get_to(config.max_skill_retries);
+  config.max_skill_retries = countAt<std::uint32_t>(item, "max_skill_retries");
   item.at("explain_facts").get_to(config.explain_facts);
   return config;
 }
@@ -171,6 +182,12 @@ LowLevelMemory memoryFromJson(const json& item)
 }
 
 }  // namespace
+
+ErrorCode codeFromJson(const json& item)
+{
+  return static_cast<ErrorCode>(
+      countAt<std::uint8_t>(item, "code", static_cast<std::uint8_t>(ErrorCode::kInternal)));
+}
 
 json toJson(const DomainFiles& domain)
 {
@@ -209,7 +226,8 @@ reasoner::PlanOptions planOptionsFromJson(const json& item)
   reasoner::PlanOptions plan;
   item.at("max_horizon").get_to(plan.max_horizon);
   plan.time_limit = std::chrono::milliseconds(item.at("time_limit_ms").get<std::int64_t>());
-  plan.preference = static_cast<reasoner::PlanPreference>(item.at("preference").get<int>());
+  plan.preference = static_cast<reasoner::PlanPreference>(countAt<std::uint8_t>(
+      item, "preference", static_cast<std::uint8_t>(reasoner::PlanPreference::kCheapest)));
   item.at("all").get_to(plan.all);
   item.at("max_plans").get_to(plan.max_plans);
   item.at("relevant_only").get_to(plan.relevant_only);
@@ -256,7 +274,7 @@ SkillEnded skillFromJson(const json& item)
 {
   SkillEnded skill;
   item.at("action").get_to(skill.action.text);
-  skill.code = static_cast<ErrorCode>(item.at("code").get<int>());
+  skill.code = codeFromJson(item);
   skill.message = item.value("message", std::string());
   item.at("outcome").get_to(skill.result.outcome);
   item.at("observation").get_to(skill.result.observation);

@@ -14,6 +14,9 @@ namespace kr3::executive
 /// Raised when a field changes its meaning.
 inline constexpr int kRecordingVersion = 1;
 
+/// The field "code" of an input.
+[[nodiscard]] ErrorCode codeFromJson(const nlohmann::json& item);
+
 [[nodiscard]] nlohmann::json toJson(const DomainFiles& domain);
 [[nodiscard]] DomainFiles domainFromJson(const nlohmann::json& json);
 

@@ -54,8 +54,7 @@ RecordedEnd endFromJson(const json& item)
   if (reason == "time")
     return {RecordedEnd::Reason::kTime, ErrorCode::kDeadlineExceeded, {}};
   if (reason == "refused")
-    return {RecordedEnd::Reason::kRefused, static_cast<ErrorCode>(item.at("code").get<int>()),
-            item.at("message")};
+    return {RecordedEnd::Reason::kRefused, codeFromJson(item), item.at("message")};
   throw InvalidArgument("reason '" + reason + "', expected cancelled, time or refused");
 }
 

@@ -1,6 +1,7 @@
 #include "kr3_executive/replay.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -261,8 +262,10 @@ private:
       const bool timed = policy && budget.time_s > 0.0 &&
                          (budget.max_backups == 0 || policy->backups < budget.max_backups) &&
                          policy->upper - policy->lower > budget.precision;
-      if (timed)
-        work.max_backups = std::max<std::uint64_t>(policy->backups, 1);
+      if (timed && policy->backups > 0)
+        work.max_backups = policy->backups;
+      else if (timed)  // before the first backup: any precision will do
+        work.precision = std::numeric_limits<double>::max();
     }
     if (work.max_backups == 0 && budget.time_s > 0.0)
       work.max_backups = kUnrecordedBackups;

@@ -233,11 +233,13 @@ TEST(Replay, GoesOnInTheAbstractWorldOnRequest)
 
 TEST(Replay, SolvesWithTheRecordedWorkWhatTimeEnded)
 {
-  AbstractMissionConfig timed = config();
-  timed.driver.budget = {1e-6, 0.02, 0};
-  const auto inputs = record(kOffice, "", {"loc(tb1) = main_library"}, 1, timed);
+  // As if time had ended each solve after at most 7 backups.
+  AbstractMissionConfig few = config();
+  few.driver.budget = {1e-6, 0.0, 7};
+  auto inputs = record(kOffice, "", {"loc(tb1) = main_library"}, 1, few);
+  static_cast<void>(find(inputs, InputKind::kDecision, {"\"backups\":7"}));
+  inputs = altered(altered(inputs, "1.config.solve_time_s=5"), "1.config.max_backups=0");
   const ReplayResult result = replayed(inputs);
-  EXPECT_EQ(result.firstOtherChoice(), nullptr) << describe(result.firstOtherChoice());
   EXPECT_TRUE(result.isSame()) << describe(result.firstDifference());
 }
 
@@ -322,6 +324,8 @@ TEST_F(UnusableRecording, NamesAMissingFieldAndAWrongType)
   EXPECT_NE(refusalOf(inputs).find("input 1 (MISSION)"), std::string::npos) << refusalOf(inputs);
   inputs = altered(inputs_, R"(1.history=[{"kind":17}])");
   EXPECT_NE(refusalOf(inputs).find("record kind 17"), std::string::npos) << refusalOf(inputs);
+  const std::string negative = refusalOf(altered(inputs_, "1.limits.max_ll_actions=-1"));
+  EXPECT_NE(negative.find("max_ll_actions -1, expected"), std::string::npos) << negative;
   inputs = altered(inputs_, "1.goal=flies(pig)");
   EXPECT_NE(refusalOf(inputs).find("flies"), std::string::npos) << refusalOf(inputs);
 }
