@@ -46,7 +46,9 @@ class ScriptedRobot:
         self.held = False
         self.slip_to = None  # where the next drive ends instead
         self.drop = False  # the next drive with the book loses it at its start
-        self.people = []  # what the persons do who are asked to hand over: True: hand over, False: never come
+        self.people = (
+            []
+        )  # what the persons do who are asked to hand over: True: hand over, False: never come
         self.asked = 0
         self.hold_search = threading.Event()  # cleared: a search waits until it is cancelled
         self.hold_search.set()

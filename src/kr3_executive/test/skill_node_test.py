@@ -193,9 +193,7 @@ class SkillNodeTest(unittest.TestCase):
         objects.write_text("objects: [{name: cup}, {name: book}]\n", encoding="utf-8")
         cls.objects = str(objects)
         bindings = pathlib.Path(cls.folder.name) / "bindings.yaml"
-        bindings.write_text(
-            'sightings: {seen: "stands(${object}) = ${cell}"}\n', encoding="utf-8"
-        )
+        bindings.write_text('sightings: {seen: "stands(${object}) = ${cell}"}\n', encoding="utf-8")
         cls.bindings = str(bindings)
         unworded = pathlib.Path(cls.folder.name) / "unworded.yaml"
         unworded.write_text('sightings: {seen: "stands(${object})"}\n', encoding="utf-8")
