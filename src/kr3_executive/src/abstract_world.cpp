@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -135,6 +136,51 @@ double AbstractWorld::durationOf(const LowLevelAction& action) const
   return cost.base_s + cost.per_metre_s * distance_m;
 }
 
+bool AbstractWorld::affects(const LowLevelAction& action, const std::string& fluent) const
+{
+  for (const auto& law : domain_.description().causal_laws)
+  {
+    std::map<std::string, std::string> binding;
+    bool fits = law.action.name == action.symbol;
+    for (std::size_t i = 0; fits && i < action.arguments.size(); ++i)
+    {
+      const auto& term = law.action.arguments[i];
+      fits = (term.is_variable ? binding.emplace(term.name, action.arguments[i]).first->second
+                               : term.name) == action.arguments[i];
+    }
+    for (const auto& outcome : law.outcomes)
+    {
+      for (const auto& effect : outcome.effects)
+      {
+        reasoner::Atom changed = effect.fluent;
+        for (auto& argument : changed.arguments)
+        {
+          const auto bound = binding.find(argument.name);
+          if (argument.is_variable && bound != binding.end())
+            argument = {false, bound->second};
+        }
+        if (fits && reasoner::toString(changed) == fluent)
+          return true;
+      }
+    }
+  }
+  return false;
+}
+
+std::string AbstractWorld::senseNothing(const LowLevelAction& action, const std::string& fluent,
+                                        const std::string& asked)
+{
+  const auto* declared = domain_.description().findFluent(takeApart(fluent).symbol);
+  if (asked.empty() && declared->value_sort)
+  {
+    const auto& values = domain_.description().findSort(*declared->value_sort)->elements;
+    return values[noise_ ? anyOf(values.size()) : 0];
+  }
+  const auto& model = models_.actions.at(action.symbol).observations.at(declared->name);
+  const double yes = asked.empty() ? 0.5 : model.false_positive;
+  return noise_ && chance(yes) ? "true" : "false";
+}
+
 std::string AbstractWorld::observe(const LowLevelAction& action, const std::string& fluent,
                                    const std::string& asked)
 {
@@ -200,7 +246,8 @@ LowLevelResult AbstractWorld::execute(const LowLevelAction& action, const Distur
     atom.arguments.push_back({false, argument});
   LowLevelResult result;
   const auto& model = models_.actions.at(action.symbol);
-  if (!laws_.executable(state_, atom))
+  const bool possible = laws_.executable(state_, atom) && std::isfinite(durationOf(action));
+  if (!possible)
   {
     result.outcome = "impossible";
     result.duration_s = model.cost.impossible_s;
@@ -232,9 +279,13 @@ LowLevelResult AbstractWorld::execute(const LowLevelAction& action, const Distur
   }
   for (std::size_t i = 0; i < laws.size(); ++i)
   {
-    result.observation.push_back(disturbance.observation.empty()
-                                     ? observe(action, laws[i].fluent, laws[i].value)
-                                     : disturbance.observation[i]);
+    const auto& [fluent, asked] = laws[i];
+    if (!disturbance.observation.empty())
+      result.observation.push_back(disturbance.observation[i]);
+    else if (possible || affects(action, fluent))
+      result.observation.push_back(observe(action, fluent, asked));
+    else
+      result.observation.push_back(senseNothing(action, fluent, asked));
   }
   now_s_ += result.duration_s;
   return result;

@@ -30,7 +30,9 @@ struct Disturbance
 
 /// A simulated world at the low level, for missions without a robot: one true fine state of the
 /// whole domain, changed by the low-level laws with the probabilities of the models, and observed
-/// through their noise. It knows nothing of zooms, POMDPs or histories.
+/// through their noise. It knows nothing of zooms, POMDPs or histories. An action that is
+/// impossible changes nothing and tells nothing: what it senses comes at the false-positive rate.
+/// Feedback on its own effects stays true.
 ///
 /// Not thread-safe. The domain and the models must outlive it.
 class AbstractWorld : public LowLevelExecutor
@@ -74,6 +76,11 @@ public:
 
 private:
   [[nodiscard]] double durationOf(const LowLevelAction& action) const;
+  /// Whether a causal law lets the action change the fluent, so that observing it is feedback.
+  [[nodiscard]] bool affects(const LowLevelAction& action, const std::string& fluent) const;
+  /// What an action that could not be carried out tells of a fluent that it does not change.
+  [[nodiscard]] std::string senseNothing(const LowLevelAction& action, const std::string& fluent,
+                                         const std::string& asked);
   [[nodiscard]] std::string observe(const LowLevelAction& action, const std::string& fluent,
                                     const std::string& asked);
   [[nodiscard]] std::size_t chooseOutcome(const LowLevelAction& action,
