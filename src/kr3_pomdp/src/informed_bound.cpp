@@ -13,6 +13,7 @@ namespace
 {
 
 constexpr int kMaxSweeps = 4000;
+constexpr int kMaxSweepsFromBelow = 50;  // where they converge at all soon, far fewer
 constexpr int kMaxInformedSweeps = 400;
 constexpr int kMaxBlindSweeps = 300;
 constexpr double kTolerance = 1e-6;  // relative to the range of rewards, as the next
@@ -58,6 +59,20 @@ bool absorbs(const StateClass& state_class, std::size_t c, std::size_t a, std::s
     }
   }
   return stays > 1.0 - 1e-12;
+}
+
+/// Whether nothing that is done leaves the state.
+bool isKept(const ObservedModel& model, std::size_t c, std::size_t s)
+{
+  const StateClass& state_class = model.classes()[c];
+  for (std::size_t a = 0; a < state_class.actions.size(); ++a)
+  {
+    if (!absorbs(state_class, c, a, s))
+    {
+      return false;
+    }
+  }
+  return true;
 }
 
 InformedVectors filled(const ObservedModel& model, double value)
@@ -118,6 +133,82 @@ double observedSweep(const ObservedModel& model, std::vector<std::vector<double>
     }
   }
   return change;
+}
+
+/// The best that one step brings in the fully observed model, with these values after it.
+double bestStep(const ObservedModel& model, const StateClass& state_class, std::size_t s,
+                const std::vector<std::vector<double>>& values)
+{
+  double best = -std::numeric_limits<double>::infinity();
+  for (const ClassAction& action : state_class.actions)
+  {
+    double sum = 0.0;
+    for (const Branch& branch : action.branches)
+    {
+      for (const SparseEntry& next : branch.joint.row(s))
+      {
+        sum += next.probability * values[branch.target_class][next.index];
+      }
+    }
+    best = std::max(best, action.rewards[s] + model.discount() * sum);
+  }
+  return best;
+}
+
+/// Lowers bounds of the fully observed model's values to what values from below show: where runs
+/// are short these are exact after a few sweeps, whereas bounds from above fall by the discount
+/// only. With V <= TV <= V + r no value exceeds V + r / (1 - discount).
+/// @param upper  bounds, [class][state]; stay as they are when it is stopped
+/// @param least  no reward is less
+void lowerToValuesFromBelow(const ObservedModel& model, double least, double enough,
+                            std::vector<std::vector<double>>& upper, PacedQuestion& keep_going)
+{
+  const double rest = 1.0 / (1.0 - model.discount());
+  std::vector<std::vector<double>> values = upper;
+  for (std::size_t c = 0; c < values.size(); ++c)
+  {
+    for (std::size_t s = 0; s < values[c].size(); ++s)
+    {
+      values[c][s] = isKept(model, c, s) ? upper[c][s] : least * rest;
+    }
+  }
+  double rise = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kMaxSweepsFromBelow && rise * rest > enough; ++i)
+  {
+    rise = 0.0;
+    for (std::size_t c = values.size(); c-- > 0;)
+    {
+      const StateClass& state_class = model.classes()[c];
+      if (!keep_going(values[c].size() * model.numActions()))
+      {
+        return;
+      }
+      for (std::size_t s = 0; s < values[c].size(); ++s)
+      {
+        const double value = bestStep(model, state_class, s, values);
+        rise = std::max(rise, value - values[c][s]);
+        values[c][s] = std::max(values[c][s], value);
+      }
+    }
+  }
+  rise = 0.0;
+  for (std::size_t c = 0; c < values.size(); ++c)
+  {
+    if (!keep_going(values[c].size() * model.numActions()))
+    {
+      return;
+    }
+    for (std::size_t s = 0; s < values[c].size(); ++s)
+    {
+      rise = std::max(rise, bestStep(model, model.classes()[c], s, values) - values[c][s]);
+    }
+  }
+  for (std::size_t c = 0; c < values.size(); ++c)
+  {
+    std::transform(
+        upper[c].begin(), upper[c].end(), values[c].begin(), upper[c].begin(),
+        [&](double above, double below) { return std::min(above, below + rise * rest); });
+  }
 }
 
 double informedSweep(const ObservedModel& model, InformedVectors& vectors,
@@ -240,21 +331,23 @@ InformedVectors informedBound(const ObservedModel& model, const std::function<bo
         }
         continue;
       }
-      bool kept = true;
-      double greatest = -std::numeric_limits<double>::infinity();
-      for (std::size_t a = 0; a < model.numActions() && kept; ++a)
+      if (isKept(model, values.size() - 1, s))
       {
-        kept = absorbs(state_class, values.size() - 1, a, s);
-        greatest = std::max(greatest, state_class.actions[a].rewards[s]);
-      }
-      if (kept)
-      {
+        double greatest = -std::numeric_limits<double>::infinity();
+        for (const ClassAction& action : state_class.actions)
+        {
+          greatest = std::max(greatest, action.rewards[s]);
+        }
         values.back()[s] = greatest / (1.0 - model.discount());
       }
     }
   }
   const double enough = kTolerance * range.scale();
   PacedQuestion paced(keep_going);
+  if (first == nullptr)
+  {
+    lowerToValuesFromBelow(model, range.least, enough, values, paced);
+  }
   for (int i = 0; i < kMaxSweeps && paced(1); ++i)
   {
     if (observedSweep(model, values, vectors, paced) < enough)
