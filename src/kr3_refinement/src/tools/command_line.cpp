@@ -26,6 +26,7 @@ void addDomainOptions(CLI::App& app, Options& options)
 
 void addTaskOptions(CLI::App& app, Options& options)
 {
+  app.add_option("--models", options.models, "numbers of the low level; without it models.yaml");
   app.add_option("--state", options.state,
                  "high-level state: literals joined by commas, as 'loc(rob1)=office, opened(box)'; "
                  "booleans not listed are false");
@@ -139,7 +140,9 @@ Loaded load(const Options& options)
 {
   LowLevelDomain domain = loadDomain(options);
   const reasoner::Description& high_level = domain.highLevel();
-  Models models = readModels(options.domain + "/models.yaml", domain.description());
+  Models models =
+      readModels(options.models.empty() ? options.domain + "/models.yaml" : options.models,
+                 domain.description());
   std::vector<reasoner::Literal> state = literalsOf(options.state, high_level);
   reasoner::Atom action;
   if (!options.action.empty())

@@ -24,6 +24,7 @@ struct Options
   std::string state;
   std::string action;
   std::string map;
+  std::string models;  ///< empty: the domain's own
   std::size_t per_whole = 4;
   double pitch_m = 1.0;
   std::vector<std::string> known;
