@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measure a part of KR3 against its goals: bench.sh {reasoner | pomdp} [--quick] [--json FILE]
+# Measure a part of KR3 against its goals: bench.sh {reasoner | pomdp | coupling} [--quick] [--json FILE]
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -20,7 +20,12 @@ case "$part" in
     enter_workspace
     exec /usr/bin/python3 -B "$root/src/kr3_pomdp/bench/bench_pomdp.py" --programs "$workspace/devel/lib/kr3_pomdp" "$@"
     ;;
+  coupling)
+    case " $* " in *" --help "* | *" -h "*) ;; *) build_workspace ;; esac
+    enter_workspace
+    exec /usr/bin/python3 -B "$root/src/kr3_executive/bench/bench_coupling.py" --programs "$workspace/devel/lib" "$@"
+    ;;
   *)
-    fail "unknown benchmark '$part', expected: reasoner or pomdp"
+    fail "unknown benchmark '$part', expected: reasoner, pomdp or coupling"
     ;;
 esac

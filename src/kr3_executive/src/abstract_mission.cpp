@@ -49,7 +49,7 @@ const reasoner::Literal* firstValued(const reasoner::Formula& goal)
 }  // namespace
 
 AbstractMissions::AbstractMissions(const std::string& directory, AbstractMissionConfig config)
-  : config_(std::move(config))
+  : config_(std::move(config)), policies_(config_.policies)
 {
   const std::filesystem::path path(directory);
   if (!std::filesystem::is_directory(path))

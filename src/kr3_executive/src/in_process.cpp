@@ -1,37 +1,12 @@
 #include "kr3_executive/in_process.hpp"
 
-#include <cstdint>
-#include <cstdio>
-#include <sstream>
 #include <utility>
 
 #include <kr3_common/error.hpp>
-#include <kr3_pomdp/pomdp_format.hpp>
 #include <kr3_pomdp/solver.hpp>
 
 namespace kr3::executive
 {
-namespace
-{
-
-/// FNV-1a with two offsets: 128 bits, so that different models do not meet by chance.
-std::string contentHash(const std::string& text)
-{
-  std::uint64_t low = 1469598103934665603ULL;
-  std::uint64_t high = 1099511628211ULL * 31;
-  for (const char c : text)
-  {
-    low = (low ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-    high = (high ^ (low >> 32U)) * 1099511628211ULL;
-  }
-  char hash[40];
-  std::snprintf(hash, sizeof hash, "%016llx%016llx", static_cast<unsigned long long>(high),
-                static_cast<unsigned long long>(low));
-  return hash;
-}
-
-}  // namespace
-
 InProcessReasoner::InProcessReasoner(reasoner::Description description,
                                      reasoner::PlanOptions options)
   : reasoner_(std::move(description)), options_(options)
@@ -82,35 +57,42 @@ reasoner::PlanResult InProcessReasoner::plan(const std::string& goal,
   return reasoner_.plan(goal, options_, &cancel);
 }
 
+InProcessPolicyServer::InProcessPolicyServer(std::shared_ptr<PolicyCache> cache)
+  : cache_(cache ? std::move(cache) : std::make_shared<PolicyCache>())
+{
+}
+
 SolvedPolicy InProcessPolicyServer::solve(const pomdp::Model& model, const SolveBudget& budget,
                                           const std::atomic<bool>& cancel)
 {
-  std::ostringstream text;
-  pomdp::writePomdp(text, model);
-  text << budget.precision << ' ' << budget.time_s << ' ' << budget.max_backups;
-  const std::string id = contentHash(text.str());
-  if (const auto found = policies_.find(id); found != policies_.end())
-  {
-    SolvedPolicy solved = found->second.solved;
-    solved.cached = true;
-    return solved;
-  }
-  auto result = pomdp::solve(model, {budget.precision, budget.time_s, budget.max_backups},
-                             [&cancel](const pomdp::SolverProgress&) { return !cancel; });
-  if (cancel)
-    throw Cancelled("solving was cancelled");
-  SolvedPolicy solved{id, result.lower, result.upper, result.backups, result.cpu_s, false};
-  policies_.insert_or_assign(id, Entry{solved, std::move(result.policy)});
-  return solved;
+  const PolicyCache::Key key = PolicyCache::keyOf(model, budget);
+  const PolicyCache::Found found = cache_->findOrSolve(
+      key, model,
+      [&] {
+    pomdp::SolverLimits limits;
+    limits.precision = budget.precision;
+    limits.time_s = budget.time_s;
+    limits.max_backups = budget.max_backups;
+    pomdp::SolveResult result =
+        pomdp::solve(model, limits, [&cancel](const pomdp::SolverProgress&) { return !cancel; });
+    if (cancel)
+      throw Cancelled("solving was cancelled");
+    return CachedPolicy{std::move(result.policy), result.lower, result.upper, result.backups,
+                        result.cpu_s};
+      },
+      cancel);
+  const CachedPolicy& policy = *found.policy;
+  return {toString(key), policy.lower, policy.upper, policy.backups, policy.cpu_s, found.cached};
 }
 
 std::size_t InProcessPolicyServer::actionAt(const std::string& policy_id,
                                             const pomdp::Belief& belief)
 {
-  const auto found = policies_.find(policy_id);
-  if (found == policies_.end())
+  const auto key = parseFingerprint(policy_id);
+  const auto found = key ? cache_->find(*key) : nullptr;
+  if (!found)
     throw NotFound("policy '" + policy_id + "'");
-  return found->second.policy.actionAt(belief);
+  return found->policy.actionAt(belief);
 }
 
 }  // namespace kr3::executive

@@ -28,6 +28,8 @@ struct AbstractMissionConfig
   std::size_t components_per_whole = 4;
   double pitch_m = 2.0;
   std::string bindings = "bindings.yaml";  ///< file in the domain's directory
+  /// Shared with missions of other threads; null: policies are cached by these missions alone.
+  std::shared_ptr<PolicyCache> policies;
 };
 
 struct TrialResult
@@ -55,7 +57,7 @@ using ExecutorOf = std::function<std::unique_ptr<LowLevelExecutor>(
     AbstractWorld& world, std::function<void(const reasoner::Record&)> tell)>;
 
 /// Missions of one domain in the abstract simulator, all in process. Policies are cached from trial
-/// to trial; nothing else is carried over. Not thread-safe.
+/// to trial; nothing else is carried over. Not thread-safe; one instance per thread.
 class AbstractMissions
 {
 public:
@@ -69,6 +71,9 @@ public:
 
   /// The first valued fluent that a goal mentions. @throws InvalidArgument  it mentions none
   [[nodiscard]] std::string targetFluent(const std::string& goal) const;
+
+  /// Of the policies, also those of others who share them.
+  [[nodiscard]] PolicyCacheStats policyStats() const { return policies_.stats(); }
 
   /// One mission from the scenario's initial records. What `truths` and those records leave open is
   /// as the defaults say, and where they are silent drawn at random.

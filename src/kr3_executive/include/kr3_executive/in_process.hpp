@@ -1,13 +1,11 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include <kr3_pomdp/policy.hpp>
-
 #include "kr3_executive/interfaces.hpp"
+#include "kr3_executive/policy_cache.hpp"
 
 namespace kr3::executive
 {
@@ -32,21 +30,22 @@ private:
   reasoner::PlanOptions options_;
 };
 
-/// The solver as a library, with a cache by the content of the model.
+/// The solver as a library, with policies cached by the content of their models. Thread-safe.
 class InProcessPolicyServer : public PolicyServer
 {
 public:
+  /// @param cache  shared with other servers, of other threads too; null: one of its own
+  explicit InProcessPolicyServer(std::shared_ptr<PolicyCache> cache = nullptr);
+
+  /// `cpu_s` of a policy that was cached is what solving it once took.
   SolvedPolicy solve(const pomdp::Model& model, const SolveBudget& budget,
                      const std::atomic<bool>& cancel) override;
   std::size_t actionAt(const std::string& policy_id, const pomdp::Belief& belief) override;
 
+  [[nodiscard]] PolicyCacheStats stats() const { return cache_->stats(); }
+
 private:
-  struct Entry
-  {
-    SolvedPolicy solved;
-    pomdp::Policy policy;
-  };
-  std::map<std::string, Entry> policies_;  // by id, a hash of the model's text and the budget
+  std::shared_ptr<PolicyCache> cache_;  // shared by the trials of several threads
 };
 
 }  // namespace kr3::executive

@@ -41,12 +41,15 @@ public:
                                                   const std::atomic<bool>& cancel) = 0;
 };
 
-/// When the solver may stop; whichever comes first.
+/// When the solver may stop; whichever comes first. With the defaults a search of 4 cells ends by
+/// its precision in about 0.15 s of CPU, one of 9 cells after 0.7 s and one of 16 after 2 s by the
+/// counted work, 0.4 % and about 1 s of reward below what twice the work finds
+/// (docs/coupling.md).
 struct SolveBudget
 {
   double precision = 0.5;
-  double time_s = 5.0;               ///< wall time; 0 = no limit
-  std::uint64_t max_backups = 5000;  ///< counted work; 0 = no limit
+  double time_s = 5.0;                ///< wall time; 0 = no limit
+  std::uint64_t max_backups = 20000;  ///< counted work; 0 = no limit
 };
 
 struct SolvedPolicy
