@@ -28,11 +28,11 @@ void addTaskOptions(CLI::App& app, Options& options)
 {
   app.add_option("--models", options.models, "numbers of the low level; without it models.yaml");
   app.add_option("--state", options.state,
-                 "high-level state: literals joined by commas, as 'loc(rob1)=office, opened(box)'; "
+                 "high-level state: literals joined by commas, as 'f(a)=b, g(c)'; "
                  "booleans not listed are false");
-  app.add_option("--action", options.action, "ground high-level action, as 'grasp(rob1, tb1)'");
+  app.add_option("--action", options.action, "ground high-level action, as 'act(a, b)'");
   app.add_option("--known", options.known,
-                 "FLUENT=VALUE: low-level value that is certain, as 'loc(rob1)=kitchen_c2'");
+                 "FLUENT=VALUE: low-level value that is certain, as 'f(a)=b_c2'");
   app.add_option("--hidden", options.hidden,
                  "FLUENT=P: its value in the state is only believed, with probability P, and the "
                  "rest is elsewhere; or FLUENT=V:P,V:P,...: over high-level values");

@@ -207,7 +207,7 @@ void addOptions(CLI::App& app, ZoomOptions& options)
   app.add_option("--pomdp", options.pomdp,
                  "write the flat POMDP to this file (Cassandra's format)");
   app.add_flag("--numbered", options.numbered,
-               "in it, numbers for names, which comments say: other tools read no 'loc(rob1)=c1'");
+               "in it, numbers for names, which comments say: other tools read no 'f(a)=b'");
   app.add_option("--pomdpx", options.pomdpx,
                  "write the POMDP in factors to this file, with what is always known as observed");
   app.add_option("--solve", options.solve_s, "solve it for so many seconds and simulate the policy")
@@ -215,8 +215,8 @@ void addOptions(CLI::App& app, ZoomOptions& options)
   app.add_option("--max-states", options.max_states, "most physical states");
   app.add_option("--names", options.max_names, "most names of unreachable states and the like");
   app.footer(
-      "Example:\n  kr3_zoom domains/office --state \"loc(rob1)=kitchen, loc(mug1)=kitchen\" "
-      "--action \"grasp(rob1, mug1)\" --hidden \"loc(mug1)=0.8\" --solve 0.1");
+      "Example:\n  kr3_zoom DOMAIN_DIR --state \"f(a)=b, f(c)=b\" --action \"act(a, c)\" "
+      "--hidden \"f(c)=0.8\" --solve 0.1");
 }
 
 /// @throws InvalidArgument  options that do not fit together
