@@ -63,7 +63,7 @@ AbstractMissions::AbstractMissions(const std::string& directory, AbstractMission
       high_level, refined,
       std::filesystem::exists(map_file) ? refinement::readComponentMap(map_file.string())
                                         : gridOf(high_level, refined, config_));
-  models_ = refinement::readModels((path / "models.yaml").string(), domain_->description());
+  models_ = refinement::readModels((path / "models.yaml").string(), *domain_);
   bindings_ = Bindings::read((path / config_.bindings).string(), domain_->description());
   if (std::filesystem::exists(path / "scenario.yaml"))
     scenario_ = readScenario((path / "scenario.yaml").string(), high_level);

@@ -63,25 +63,38 @@ public:
     binding.parameters = head.arguments;
     binding.server = reader_.text(node, "server");
     binding.skill = reader_.text(node, "skill");
+    for (const char* key : {"server", "skill"})
+    {
+      if (node.IsMap() && node[key] && node[key].IsScalar() && node[key].Scalar().empty())
+        reader_.problem(node[key], std::string("an empty '") + key + "', expected a name");
+    }
     binding.expected_duration_s = reader_.number(node, "expected_duration_s", 10.0);
     binding.time_limit_s = reader_.number(node, "time_limit_s", 0.0);
     if (binding.expected_duration_s < 0.0 || binding.time_limit_s < 0.0)
-      reader_.problem(node, "a negative duration");
+      reader_.problem(node, "a negative duration, expected seconds from 0 on");
+    if (!node.IsMap())
+      return binding;
     const auto* declared = low_level_.findAction(binding.action);
     if (declared == nullptr || declared->exogenous)
     {
-      reader_.problem(node["action"],
-                      "'" + binding.action + "', expected an action of the low level: " + names());
+      reader_.problem(node["action"], "'" + binding.action +
+                                          "', expected an action of the low level: " +
+                                          listed(names()) + suggestion(binding.action, names()));
       return binding;
     }
     if (declared->argument_sorts.size() != binding.parameters.size())
     {
       reader_.problem(node["action"], std::to_string(binding.parameters.size()) +
                                           " parameters of '" + binding.action + "', expected " +
-                                          std::to_string(declared->argument_sorts.size()));
+                                          std::to_string(declared->argument_sorts.size()) +
+                                          ", of the sorts " + listed(declared->argument_sorts));
     }
     else
       readFor(node["for"], binding);
+    const std::set<std::string> different(binding.parameters.begin(), binding.parameters.end());
+    if (different.size() != binding.parameters.size())
+      reader_.problem(node["action"], "two parameters of '" + binding.action +
+                                          "' have the same name, expected a name for each");
     readArguments(node["arguments"], binding);
     readOutcomes(node["outcomes"], binding);
     return binding;
@@ -147,6 +160,25 @@ public:
                       "'" + text + "', expected a fluent's literal with ${object} and ${cell}");
   }
 
+  Phrase phrase(const YAML::Node& key, const YAML::Node& node)
+  {
+    reader_.checkKeys(node, {"holds", "refuted"});
+    const auto* fluent = low_level_.findFluent(key.IsScalar() ? key.Scalar() : std::string());
+    Phrase phrase{reader_.text(node, "holds"), reader_.optionalText(node, "refuted")};
+    if (fluent == nullptr)
+    {
+      std::vector<std::string> known;
+      for (const auto& candidate : low_level_.fluents)
+        known.push_back(candidate.name);
+      const std::string name = key.IsScalar() ? key.Scalar() : std::string();
+      reader_.problem(key, "fluent '" + name + "' is not declared" + suggestion(name, known));
+      return phrase;
+    }
+    for (const auto& text : {phrase.holds, phrase.refuted})
+      checkPlaceholders(node, *fluent, text);
+    return phrase;
+  }
+
 private:
   void readFor(const YAML::Node& node, Binding& binding)
   {
@@ -173,7 +205,7 @@ private:
     }
   }
 
-  [[nodiscard]] std::string names() const
+  [[nodiscard]] std::vector<std::string> names() const
   {
     std::vector<std::string> known;
     for (const auto& action : low_level_.actions)
@@ -181,7 +213,30 @@ private:
       if (!action.exogenous)
         known.push_back(action.name);
     }
-    return listed(known);
+    return known;
+  }
+
+  /// `{1}` to `{n}` of n arguments, and `{value}` of a fluent that has values.
+  void checkPlaceholders(const YAML::Node& node, const reasoner::FluentDeclaration& fluent,
+                         const std::string& text)
+  {
+    for (std::size_t open = text.find('{'); open != std::string::npos;
+         open = text.find('{', open + 1))
+    {
+      const std::size_t close = text.find('}', open);
+      const std::string name =
+          text.substr(open + 1, close == std::string::npos ? close : close - open - 1);
+      bool good = close != std::string::npos && name == "value" && fluent.value_sort.has_value();
+      for (std::size_t i = 1; i <= fluent.argument_sorts.size(); ++i)
+        good = good || (close != std::string::npos && name == std::to_string(i));
+      if (!good)
+      {
+        reader_.problem(node, "'{" + name + "}' in the phrase of " + fluent.name +
+                                  ", expected {1} to {" +
+                                  std::to_string(fluent.argument_sorts.size()) + "}" +
+                                  (fluent.value_sort ? " or {value}" : ""));
+      }
+    }
   }
 
   void readArguments(const YAML::Node& node, Binding& binding)
@@ -200,9 +255,66 @@ private:
         }
         continue;
       }
-      const LiteralText fluent = takeApart(argument.substr(2, argument.size() - 3));
-      if (low_level_.findFluent(fluent.symbol) == nullptr)
-        reader_.problem(node, "fluent '" + fluent.symbol + "' is not declared");
+      checkFluent(node, takeApart(argument.substr(2, argument.size() - 3)), binding);
+    }
+  }
+
+  /// A fluent whose value the robot always has a belief about.
+  void checkFluent(const YAML::Node& node, const LiteralText& fluent, const Binding& binding)
+  {
+    const auto* declared = low_level_.findFluent(fluent.symbol);
+    if (declared == nullptr)
+    {
+      std::vector<std::string> known;
+      for (const auto& candidate : low_level_.fluents)
+        known.push_back(candidate.name);
+      reader_.problem(node, "fluent '" + fluent.symbol + "' is not declared" +
+                                suggestion(fluent.symbol, known));
+      return;
+    }
+    if (declared->kind != reasoner::FluentKind::kInertial)
+      reader_.problem(node, "the value of '" + fluent.symbol +
+                                "' is no belief of the robot, expected an inertial fluent");
+    if (declared->argument_sorts.size() != fluent.arguments.size())
+    {
+      reader_.problem(node, std::to_string(fluent.arguments.size()) + " arguments of '" +
+                                fluent.symbol + "', expected " +
+                                std::to_string(declared->argument_sorts.size()));
+      return;
+    }
+    for (std::size_t i = 0; i < fluent.arguments.size(); ++i)
+    {
+      const auto* sort = low_level_.findSort(declared->argument_sorts[i]);
+      const std::string& term = fluent.arguments[i];
+      if (!contains(binding.parameters, term) &&
+          (sort == nullptr || !contains(sort->elements, term)))
+      {
+        reader_.problem(node, "'" + term + "' in ${" + fluent.fluent() + "}, expected one of " +
+                                  listed(binding.parameters) + " or an element of the sort '" +
+                                  declared->argument_sorts[i] + "'");
+      }
+    }
+  }
+
+  /// Each labelled outcome of the action's laws: the models say how often it happens, so the
+  /// binding has to say what it tells.
+  void checkLabels(const YAML::Node& node, const Binding& binding)
+  {
+    std::set<std::string> missing;
+    for (const auto& law : low_level_.causal_laws)
+    {
+      for (const auto& outcome : law.outcomes)
+      {
+        if (law.action.name == binding.action && !outcome.label.empty() &&
+            binding.outcomes.count(outcome.label) == 0)
+          missing.insert(outcome.label);
+      }
+    }
+    for (const auto& label : missing)
+    {
+      reader_.problem(node, "no outcome '" + label + "' of '" + binding.action +
+                                "', which its laws have; say what it tells, as '" + label +
+                                ": [...]'");
     }
   }
 
@@ -217,13 +329,21 @@ private:
     const auto expected = static_cast<std::size_t>(std::count(valued.begin(), valued.end(), false));
     for (const auto& entry : node)
     {
-      const auto label = entry.first.as<std::string>();
+      if (!entry.first.IsScalar())
+      {
+        reader_.problem(entry.first, "an outcome that is no text, expected the skill's label");
+        continue;
+      }
+      const std::string& label = entry.first.Scalar();
+      if (binding.outcomes.count(label) != 0)
+        reader_.problem(entry.first, "outcome '" + label + "' a second time; leave one of them");
       const std::vector<std::string> truths = reader_.texts(entry.second);
       if (truths.size() != expected)
       {
         reader_.problem(entry.second, "outcome '" + label + "' of '" + binding.action + "' tells " +
                                           std::to_string(truths.size()) + " truths, expected " +
-                                          std::to_string(expected));
+                                          std::to_string(expected) +
+                                          ", one for each 'observes' about a truth");
       }
       for (const auto& truth : truths)
       {
@@ -232,6 +352,8 @@ private:
       }
       binding.outcomes[label] = truths;
     }
+    if (binding.only_for.empty())  // another skill for a few cases may know other outcomes
+      checkLabels(node, binding);
   }
 
   YamlReader& reader_;
@@ -253,9 +375,12 @@ Bindings Bindings::parse(const std::string& text, const std::string& file,
   Bindings bindings;
   Loader loader(reader, low_level);
   if (!reader.root()["actions"].IsSequence())
-    reader.problem(reader.root(), "no list 'actions'");
+    reader.problem(reader.root(),
+                   "no list 'actions', expected '- {action: go(R, S), server: ...}'");
   for (const auto& node : reader.root()["actions"])
   {
+    if (!reader.root()["actions"].IsSequence())
+      break;
     Binding binding = loader.binding(node);
     const std::string name = binding.action;
     if (!binding.only_for.empty())
@@ -271,14 +396,17 @@ Bindings Bindings::parse(const std::string& text, const std::string& file,
     if (bindings.actions_.count(action.name) == 0)
       reader.problem(reader.root()["actions"], "action '" + action.name + "' has no binding");
   }
-  for (const auto& entry : reader.root()["phrases"])
+  if (reader.root()["phrases"] && !reader.root()["phrases"].IsMap())
+    reader.problem(reader.root()["phrases"],
+                   "found no map 'phrases', expected fluent: {holds: ...}");
+  else
   {
-    reader.checkKeys(entry.second, {"holds", "refuted"});
-    const auto name = entry.first.as<std::string>();
-    if (low_level.findFluent(name) == nullptr)
-      reader.problem(entry.first, "fluent '" + name + "' is not declared");
-    bindings.phrases_[name] = {reader.text(entry.second, "holds"),
-                               reader.optionalText(entry.second, "refuted")};
+    for (const auto& entry : reader.root()["phrases"])
+    {
+      const Phrase phrase = loader.phrase(entry.first, entry.second);
+      if (entry.first.IsScalar())
+        bindings.phrases_[entry.first.Scalar()] = phrase;
+    }
   }
   if (const auto sightings = reader.root()["sightings"])
   {

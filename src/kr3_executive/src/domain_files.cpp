@@ -31,8 +31,7 @@ LoadedDomain load(const DomainFiles& files)
       reasoner::parseRefinement(files.refinement.text, files.refinement.name, high_level);
   LoadedDomain loaded;
   loaded.domain = std::make_unique<refinement::LowLevelDomain>(high_level, refined, files.map);
-  loaded.models =
-      refinement::parseModels(files.models.text, files.models.name, loaded.domain->description());
+  loaded.models = refinement::parseModels(files.models.text, files.models.name, *loaded.domain);
   loaded.bindings =
       Bindings::parse(files.bindings.text, files.bindings.name, loaded.domain->description());
   return loaded;

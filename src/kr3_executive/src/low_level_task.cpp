@@ -116,6 +116,11 @@ refinement::InitialKnowledge initialKnowledge(const refinement::LowLevelDomain& 
   std::set<std::string> settled;
   for (const auto& [fluent, remembered] : memory)
   {
+    if (domain.highLevel().findFluent(symbolOf(fluent)) == nullptr)
+    {
+      knowledge.fine[fluent] = remembered.values;  // the high level says nothing about it
+      continue;
+    }
     const std::string whole = coarseFluent(domain, fluent);
     const auto held = start.find(whole);
     if (held == start.end() || held->second == "false")
@@ -192,12 +197,23 @@ bool LowLevelTask::update(std::size_t action, const std::vector<std::string>& ob
                           " observations, expected " + std::to_string(laws.size()));
   }
   attempted_ = attempted_ || executed.symbol == symbol_;
+  std::vector<std::string> told = observation;
   for (std::size_t i = 0; i < laws.size(); ++i)
   {
-    if (laws[i].value.empty())
+    if (!laws[i].value.empty())
+      continue;
+    const auto& fluents = pomdp_.fluents();
+    const auto hidden = std::find_if(fluents.begin(), fluents.end(), [&](const auto& fluent) {
+      return fluent.name == laws[i].fluent && !fluent.values.empty() &&
+             fluent.values.back() == kElsewhere;
+    });
+    if (hidden == fluents.end())
       observed_[laws[i].fluent] = observation[i];
+    else if (std::find(hidden->values.begin(), hidden->values.end(), told[i]) ==
+             hidden->values.end())
+      told[i] = kOutside;  // one more hint, which the belief weighs: sensors err
   }
-  const std::size_t index = observationIndex(action, observation);
+  const std::size_t index = observationIndex(action, told);
   if (index == pomdp_.model().numObservations())
     return false;
   try

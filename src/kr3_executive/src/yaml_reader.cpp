@@ -1,10 +1,13 @@
 #include "yaml_reader.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 #include <utility>
 
 #include <kr3_common/error.hpp>
+#include <kr3_common/nearest_name.hpp>
 
 namespace kr3::executive
 {
@@ -16,6 +19,14 @@ std::string readTextFile(const std::string& path)
   if (!file || !(text << file.rdbuf()))
     throw Unavailable("cannot read '" + path + "'");
   return text.str();
+}
+
+std::string suggestion(const std::string& name, const std::vector<std::string>& known)
+{
+  const std::size_t limit = std::max<std::size_t>(2, name.size() / 3);
+  const std::string* nearest =
+      name.empty() ? nullptr : nearestName(name, known, std::min(limit, name.size() - 1));
+  return nearest == nullptr ? "" : "; did you mean '" + *nearest + "'?";
 }
 
 YamlReader::YamlReader(const std::string& text, std::string file) : file_(std::move(file))
@@ -46,11 +57,20 @@ void YamlReader::checkKeys(const YAML::Node& map, const std::set<std::string>& k
     problem(map, "expected a map");
     return;
   }
+  std::set<std::string> seen;
   for (const auto& entry : map)
   {
-    const auto key = entry.first.as<std::string>();
+    if (!entry.first.IsScalar())
+    {
+      problem(entry.first, "found a key that is no text");
+      continue;
+    }
+    const std::string& key = entry.first.Scalar();
     if (known.count(key) == 0)
-      problem(entry.first, "unknown key '" + key + "'");
+      problem(entry.first,
+              "unknown key '" + key + "'" + suggestion(key, {known.begin(), known.end()}));
+    if (!seen.insert(key).second)
+      problem(entry.first, "key '" + key + "' a second time; leave one of them");
   }
 }
 
@@ -79,8 +99,12 @@ double YamlReader::number(const YAML::Node& map, const std::string& key, double 
   if (!map.IsMap() || !map[key])
     return fallback;
   double value = fallback;
-  if (!map[key].IsScalar() || !YAML::convert<double>::decode(map[key], value))
+  if (!map[key].IsScalar() || !YAML::convert<double>::decode(map[key], value) ||
+      !std::isfinite(value))
+  {
     problem(map[key], "'" + key + "' is no number");
+    return fallback;
+  }
   return value;
 }
 

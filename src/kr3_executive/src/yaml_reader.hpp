@@ -12,6 +12,10 @@ namespace kr3::executive
 /// The text of a file. @throws Unavailable  it cannot be read
 [[nodiscard]] std::string readTextFile(const std::string& path);
 
+/// "; did you mean 'x'?" with the known name nearest to one that is not, or nothing.
+[[nodiscard]] std::string suggestion(const std::string& name,
+                                     const std::vector<std::string>& known);
+
 /// A YAML document that is read to the end and reports all its problems at once.
 class YamlReader
 {

@@ -21,12 +21,14 @@ reasoner::Description description()
       "fluents\n"
       "  inertial at(robot) : spot.\n"
       "  inertial seen(thing).\n"
+      "  defined near(thing).\n"
       "actions\n"
       "  go(robot, spot).\n"
       "  look(robot, thing).\n"
       "axioms\n"
       "  go(R, S) causes at(R) = S.\n"
-      "  look(R, T) causes seen(T).\n"
+      "  look(R, T) causes seen(T) [yes] or nothing [no].\n"
+      "  near(T) if seen(T).\n"
       "observations\n"
       "  go(R, S) observes at(R).\n"
       "  look(R, T) observes seen(T).\n",
@@ -87,6 +89,62 @@ TEST(Bindings, NamesEveryProblemWithItsLine)
   EXPECT_NE(problem.find("bindings.yaml:3: 'perhaps'"), std::string::npos) << problem;
   EXPECT_NE(problem.find("bindings.yaml:4: 'jump'"), std::string::npos) << problem;
   EXPECT_NE(problem.find("action 'go' has no binding"), std::string::npos) << problem;
+}
+
+/// kGood with a part exchanged, and what must be said about it.
+struct Mistake
+{
+  std::string from;
+  std::string to;
+  std::string told;
+};
+
+TEST(Bindings, SaysOfEachMistakeWhereItIsAndHowToMendIt)
+{
+  const std::vector<Mistake> mistakes = {
+      {"'go(R, S)'", "'goo(R, S)'", "bindings.yaml:2: 'goo', expected an action of the low level"},
+      {"'go(R, S)'", "'goo(R, S)'", "did you mean 'go'?"},
+      {"'go(R, S)'", "'go(R)'", "bindings.yaml:2: 1 parameters of 'go', expected 2, of the sorts"},
+      {"'go(R, S)'", "'go(S, S)'", "bindings.yaml:2: two parameters of 'go' have the same name"},
+      {"server: drive", "server: ''", "bindings.yaml:2: an empty 'server', expected a name"},
+      {"skill: go", "skil: go", "bindings.yaml:2: unknown key 'skil'; did you mean 'skill'?"},
+      {"skill: go", "skill: go, skill: run", "bindings.yaml:2: key 'skill' a second time"},
+      {"outcomes: {ok: []}", "outcomes: {ok: ['true']}",
+       "bindings.yaml:2: outcome 'ok' of 'go' tells 1 truths, expected 0, one for each 'observes'"},
+      {"{ok: []}", "{}", "bindings.yaml:2: no outcomes of 'go'"},
+      {"{ok: []}", "{ok: []}, expected_duration_s: .nan",
+       "bindings.yaml:2: 'expected_duration_s' is no number"},
+      {"{ok: []}", "{ok: []}, time_limit_s: -1", "bindings.yaml:2: a negative duration"},
+      {"yes: ['true'],", "",
+       "bindings.yaml:4: no outcome 'yes' of 'look', which its laws have; say "
+       "what it tells, as 'yes: [...]'"},
+      {"${at(R)}", "${att(R)}", "fluent 'att' is not declared; did you mean 'at'?"},
+      {"${at(R)}", "${at(R, T)}", "2 arguments of 'at', expected 1"},
+      {"${at(R)}", "${at(X)}", "'X' in ${at(X)}, expected one of"},
+      {"${at(R)}", "${near(T)}", "the value of 'near' is no belief of the robot"},
+  };
+  for (const Mistake& mistake : mistakes)
+  {
+    std::string text = kGood;
+    const std::size_t at = text.find(mistake.from);
+    ASSERT_NE(at, std::string::npos) << mistake.from;
+    const std::string problem = problemOf(text.replace(at, mistake.from.size(), mistake.to));
+    EXPECT_NE(problem.find(mistake.told), std::string::npos) << mistake.told << "\n" << problem;
+  }
+}
+
+TEST(Bindings, ChecksThePlaceholdersOfPhrases)
+{
+  const auto with = [](const std::string& phrase) {
+    return problemOf(kGood + "phrases:\n" + phrase);
+  };
+  EXPECT_EQ(with("  at: {holds: '{1} at {value}'}\n"), "");
+  EXPECT_NE(with("  at: {holds: '{2} at {value}'}\n").find("'{2}' in the phrase of at"),
+            std::string::npos);
+  EXPECT_NE(with("  seen: {holds: '{1} is {value}'}\n").find("'{value}' in the phrase of seen"),
+            std::string::npos);
+  EXPECT_NE(with("  sen: {holds: '{1}'}\n").find("did you mean 'seen'?"), std::string::npos);
+  EXPECT_NE(with("  - at\n").find("found no map 'phrases'"), std::string::npos);
 }
 
 TEST(Bindings, RejectsUnknownKeysAndBadYaml)

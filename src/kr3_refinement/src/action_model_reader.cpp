@@ -25,6 +25,31 @@ constexpr double kRounding = 0.0051;
 
 }  // namespace
 
+bool sumsToOne(const OutcomeModel& model, const reasoner::Description& description,
+               const std::string& action)
+{
+  double total = 0.0;
+  for (const auto& [label, probability] : model.probabilities)
+  {
+    total += probability;
+  }
+  bool each_law = true;
+  for (const reasoner::CausalLaw& law : description.causal_laws)
+  {
+    double of_law = 0.0;
+    bool labelled = false;
+    for (const reasoner::Outcome& outcome : law.outcomes)
+    {
+      const auto entry = model.probabilities.find(outcome.label);
+      labelled = labelled || entry != model.probabilities.end();
+      of_law += entry == model.probabilities.end() ? 0.0 : entry->second;
+    }
+    each_law = each_law &&
+               (law.action.name != action || !labelled || std::abs(of_law - 1.0) <= kSumTolerance);
+  }
+  return std::abs(total - 1.0) <= kSumTolerance || each_law;
+}
+
 std::optional<Atom> parsedAtom(const std::string& text)
 {
   const auto is_name = [](const std::string& name) {
@@ -251,21 +276,7 @@ void ActionModelReader::checkSum(const YAML::Node& node, const OutcomeModel& mod
   {
     total += probability;
   }
-  bool each_law = true;
-  for (const reasoner::CausalLaw& law : description_.causal_laws)
-  {
-    double of_law = 0.0;
-    bool labelled = false;
-    for (const reasoner::Outcome& outcome : law.outcomes)
-    {
-      const auto entry = model.probabilities.find(outcome.label);
-      labelled = labelled || entry != model.probabilities.end();
-      of_law += entry == model.probabilities.end() ? 0.0 : entry->second;
-    }
-    each_law = each_law && (law.action.name != action_.name || !labelled ||
-                            std::abs(of_law - 1.0) <= kSumTolerance);
-  }
-  if (std::abs(total - 1.0) > kSumTolerance && !each_law)
+  if (!sumsToOne(model, description_, action_.name))
   {
     file_.report(node, action_.name + ", outcomes: the probabilities sum to " +
                            std::to_string(total) +

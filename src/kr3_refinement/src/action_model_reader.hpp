@@ -48,6 +48,10 @@ private:
   reasoner::Atom action_;
 };
 
+/// Whether an action's probabilities sum to 1: over all its outcomes, or over those of each law.
+[[nodiscard]] bool sumsToOne(const OutcomeModel& model, const reasoner::Description& description,
+                             const std::string& action);
+
 /// `name` or `name(A, B)`; nothing when a text is neither.
 [[nodiscard]] std::optional<reasoner::Atom> parsedAtom(const std::string& text);
 

@@ -44,10 +44,16 @@ CouplingGraph::CouplingGraph(const LowLevelDomain& domain, const std::set<std::s
   , semantics_(domain.description(), &constants_, fineNames(domain, constants, hidden), kElsewhere)
   , states_(semantics_.states(max_states))
 {
-  const CoarseFluents fluents = refinement::coarseFluents(domain, semantics_);
-  for (const auto& [name, fine] : fluents)
+  CoarseFluents fluents;
+  for (const auto& [name, fine] : refinement::coarseFluents(domain, semantics_))
   {
-    names_.push_back(name);
+    const std::string& symbol =
+        semantics_.signature().symbols()[semantics_.fluents()[fine.front()].symbol].name;
+    if (domain.highLevel().findFluent(symbol) != nullptr)  // not one of the low level's own
+    {
+      names_.push_back(name);
+      fluents.emplace(name, fine);
+    }
   }
   for (std::uint32_t i = 0; i < states_.size(); ++i)
   {

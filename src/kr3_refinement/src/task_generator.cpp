@@ -6,6 +6,7 @@
 
 #include <kr3_common/error.hpp>
 
+#include "action_model_reader.hpp"
 #include "kr3_refinement/pomdp_task.hpp"
 #include "prior.hpp"
 #include "semantics.hpp"
@@ -26,7 +27,8 @@ std::string withoutBlanks(std::string name)
 
 /// What a reader of models.yaml has checked; models made in memory are checked here.
 /// @throws InvalidArgument  an action without a model, or probabilities that do not sum to 1
-void checkModels(const Models& models, const std::vector<GroundAction>& actions)
+void checkModels(const Models& models, const std::vector<GroundAction>& actions,
+                 const reasoner::Description& description)
 {
   for (const GroundAction& action : actions)
   {
@@ -35,13 +37,14 @@ void checkModels(const Models& models, const std::vector<GroundAction>& actions)
     {
       throw InvalidArgument("the models have no numbers for the action '" + action.symbol + "'");
     }
-    double total = 0.0;
-    for (const auto& [label, probability] : model->second.outcomes.probabilities)
+    const OutcomeModel& outcomes = model->second.outcomes;
+    if (!outcomes.probabilities.empty() && !sumsToOne(outcomes, description, action.symbol))
     {
-      total += probability;
-    }
-    if (!model->second.outcomes.probabilities.empty() && !(std::abs(total - 1.0) < 1e-6))
-    {
+      double total = 0.0;
+      for (const auto& [label, probability] : outcomes.probabilities)
+      {
+        total += probability;
+      }
       throw InvalidArgument("the probabilities of the outcomes of '" + action.symbol + "' sum to " +
                             std::to_string(total) + ", expected 1");
     }
@@ -67,7 +70,7 @@ public:
     , done_(boundary_ + 1)
     , weights_(initialWeights(domain, zoom, knowledge, semantics_, states_))
   {
-    checkModels(models, actions_);
+    checkModels(models, actions_, domain_.description());
   }
 
   PomdpTask generate()

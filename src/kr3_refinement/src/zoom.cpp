@@ -29,7 +29,7 @@ std::string at(const reasoner::SourcePosition& position)
   return position.file + ":" + std::to_string(position.line);
 }
 
-/// s1 and s2 of an action.
+/// s1 and s2 of an action, with the defined fluents that follow from what is known.
 struct Transition
 {
   Values before;
@@ -40,6 +40,13 @@ Transition transitionOf(const Semantics& semantics, const std::vector<Literal>& 
                         const Atom& action)
 {
   Transition transition{valuesOf(semantics, state), {}};
+  const auto last = static_cast<std::ptrdiff_t>(semantics.signature().numInertial());
+  const bool all_known = std::find(transition.before.begin(), transition.before.begin() + last,
+                                   Vocabulary::kNone) == transition.before.begin() + last;
+  Values completed = transition.before;
+  static_cast<void>(semantics.complete(completed));
+  // What follows from a part of the state does not decide whether the action is possible.
+  transition.before = all_known ? completed : transition.before;
   const GroundAction ground = semantics.groundAction(action);
   if (const auto position = semantics.forbidden(transition.before, ground))
   {
@@ -52,6 +59,7 @@ Transition transitionOf(const Semantics& semantics, const std::vector<Literal>& 
     throw FailedPrecondition(ground.name + " has no outcome in the state given");
   }
   transition.after = results.front().values;
+  transition.before = std::move(completed);
   return transition;
 }
 
@@ -115,7 +123,7 @@ private:
 
   void addChanges(const Transition& transition)
   {
-    for (std::size_t i = 0; i < semantics_.signature().numInertial(); ++i)
+    for (std::size_t i = 0; i < semantics_.fluents().size(); ++i)
     {
       if (transition.before[i] == transition.after[i])
       {
@@ -172,9 +180,9 @@ private:
     }
     const std::optional<std::size_t> fluent =
         semantics_.signature().findFluent(reasoner::toString(atom));
-    if (!fluent || *fluent >= semantics_.signature().numInertial())
+    if (!fluent)
     {
-      return;
+      return;  // a static
     }
     if (before[*fluent] == Vocabulary::kNone)
     {

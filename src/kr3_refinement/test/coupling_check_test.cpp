@@ -1,6 +1,7 @@
 #include "kr3_refinement/coupling_check.hpp"
 
 #include <algorithm>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -222,6 +223,34 @@ TEST(CouplingCheck, RefusesWhatItCannotCheck)
   options.max_states = 3;
   expectError(ErrorCode::kResourceExhausted, "more than 3",
               [&] { (void)checked(kSteps, spots(4), options); });
+}
+
+TEST(CouplingCheck, LetsTheLowLevelHaveFluentsOfItsOwn)
+{
+  const std::string high_level = test::textOf(test::domainFile("waterworks", "domain.kr3"));
+  std::string refinement = test::textOf(test::domainFile("waterworks", "refinement.kr3"));
+  const ComponentMap map = readComponentMap(test::domainFile("waterworks", "map.yaml"));
+  CouplingCheckOptions options;
+  options.direct = true;
+  const CouplingReport report = checkCoupling(composed(high_level, refinement, map), options);
+  EXPECT_TRUE(report.passed()) << toString(report);
+  EXPECT_EQ(report.changes.at("shut"), std::set<std::string>{"shut_off"});
+
+  // Mending under water impossible, and shutting it off useless: no path from where it runs.
+  const auto exchange = [&](const std::string& from, const std::string& to) {
+    const std::size_t at = refinement.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    refinement.replace(at, from.size(), to);
+  };
+  exchange("if -shut_off(J)", "if -shut_off(J), shut_off(J)");
+  exchange("impossible shut(C, J) if shut_off(J)", "impossible shut(C, J) if -shut_off(J)");
+  options.action = "mend";
+  const CouplingReport broken = checkCoupling(composed(high_level, refinement, map), options);
+  ASSERT_FALSE(broken.passed());
+  const std::vector<std::string>& state = broken.counterexamples.front().low_level_state;
+  EXPECT_TRUE(std::any_of(state.begin(), state.end(), [](const std::string& literal) {
+    return literal.rfind("-shut_off", 0) == 0;
+  }));
 }
 
 }  // namespace

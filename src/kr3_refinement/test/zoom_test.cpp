@@ -77,6 +77,27 @@ TEST(Zoom, WorksWhereNothingIsAPlace)
   EXPECT_EQ(texts(zoom.effects), Names{"resolved(hum)"});
 }
 
+/// Clause 2 of the definition is about all literals, those of defined fluents among them.
+TEST(Zoom, KeepsWhatDefinedFluentsAreAbout)
+{
+  const LowLevelDomain hospital = test::composed(
+      test::textOf(test::domainFile("hospital", "domain.kr3")), "", ComponentMap({}));
+  const test::Domain domain{hospital, {}};
+  const Zoom zoom = domain.zoomOn(
+      "unload(hob, morphine)",
+      {"at(hob) = surgery", "at(pat) = pharmacy", "kept(morphine) = surgery",
+       "kept(insulin) = pharmacy", "kept(antibiotic) = pharmacy", "carries(hob, morphine)"});
+  EXPECT_EQ(names(zoom), (Names{"hob", "morphine", "surgery"}));
+  EXPECT_EQ(texts(zoom.effects), Names{"-carries(hob, morphine)"});
+  // A condition on a defined fluent counts where the whole state is known.
+  expectError(ErrorCode::kFailedPrecondition, "is impossible in the state given", [&] {
+    (void)domain.zoomOn(
+        "load(pat, morphine)",
+        {"at(hob) = surgery", "at(pat) = surgery", "kept(morphine) = surgery",
+         "kept(insulin) = pharmacy", "kept(antibiotic) = pharmacy", "carries(hob, morphine)"});
+  });
+}
+
 TEST(Zoom, SaysWhyThereIsNone)
 {
   const test::Domain office = test::office();

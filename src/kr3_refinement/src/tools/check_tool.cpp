@@ -14,6 +14,8 @@ int main(int argc, char** argv)
   kr3::refinement::tools::Options options;
   kr3::refinement::CouplingCheckOptions check;
   bool all = false;
+  bool numbers = false;
+  kr3::refinement::ModelsOptions models;
   CLI::App app{
       "Checks that for every transition of the high level and every low-level state that fits its "
       "start, low-level actions can lead to its end."};
@@ -24,12 +26,23 @@ int main(int argc, char** argv)
   app.add_flag("--direct", check.direct, "coarse states on the way must be the start or the end");
   app.add_option("--counterexamples", check.max_counterexamples, "most to print");
   app.add_option("--max-states", check.max_states, "of one description");
+  app.add_flag("--numbers", numbers, "check models.yaml too, and list what was not learned");
+  app.add_flag("--require-learned", models.require_learned,
+               "refuse models.yaml when a probability was not learned");
   CLI11_PARSE(app, argc, argv);
   check.up_to_symmetry = !all;
   try
   {
-    const kr3::refinement::CouplingReport report =
-        kr3::refinement::checkCoupling(kr3::refinement::tools::loadDomain(options), check);
+    const kr3::refinement::LowLevelDomain domain = kr3::refinement::tools::loadDomain(options);
+    if (numbers || models.require_learned)
+    {
+      for (const std::string& line : kr3::refinement::handWritten(
+               kr3::refinement::readModels(options.domain + "/models.yaml", domain, models)))
+      {
+        std::cout << "not learned: " << line << "\n";
+      }
+    }
+    const kr3::refinement::CouplingReport report = kr3::refinement::checkCoupling(domain, check);
     std::cout << kr3::refinement::toString(report);
     return report.passed() ? EXIT_SUCCESS : EXIT_FAILURE;
   }
