@@ -74,7 +74,7 @@ Playground workbench()
        {"resolved(hum)", "opened(psu)", "opened(amplifier)", "opened(tuner)", "opened(display)"})
     play.known.push_back({RecordKind::kInitially, statement, false});
   play.failures = {{"unscrew(*)", "stuck"}, {"replace(*)", "dead_part"}};
-  play.blocked = {"unscrew(*)", "close(*)", "replace(*)"};
+  play.blocked = {"unscrew(*)", "close(*)"};
   play.looks = "probe(*)";
   play.moves = {{"cause(hum) = mixer", "-resolved(hum)"}, {"-opened(rectifier)", "-resolved(hum)"}};
   return play;
@@ -125,10 +125,12 @@ private:
 
   Intervention mishap()
   {
-    switch (below(3))
+    // Failures in a row are evidence that the target is not there, and rightly believed to be.
+    switch (failed_ ? 1 + below(2) : below(3))
     {
       case 0:
       {
+        failed_ = true;
         const auto& [action, outcome] = any(play_.failures);
         Intervention failure = empty(outcome + " " + action);
         failure.when.action = action;
@@ -204,6 +206,7 @@ private:
   const Playground& play_;
   const refinement::LowLevelDomain& domain_;
   std::mt19937_64 random_;
+  bool failed_ = false;  // an outcome was made to fail
 };
 
 /// Watches a mission for what must never happen.
