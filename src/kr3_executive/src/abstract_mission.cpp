@@ -89,8 +89,8 @@ TrialResult AbstractMissions::run(const MissionSetup& setup, MissionObserver& ob
                                   const ExecutorOf& executor)
 {
   const auto formula = reasoner::parseGoal(setup.goal, domain_->highLevel());
-  InProcessReasoner reasoner(domain_->highLevel(), config_.plan);
-  reasoner.setHistory(setup.initial_records);
+  InProcessReasoner knower(domain_->highLevel(), config_.plan);
+  knower.setHistory(setup.initial_records);
   FluentValues coarse;
   FluentValues fine;
   const auto add = [](const std::string& text, FluentValues& values) {
@@ -98,7 +98,7 @@ TrialResult AbstractMissions::run(const MissionSetup& setup, MissionObserver& ob
     if (literal.equal)
       values[literal.fluent()] = literal.value;
   };
-  for (const auto& literal : reasoner.entailedAt(0))
+  for (const auto& literal : knower.entailedAt(0))
     add(literal, coarse);
   for (const auto& truth : setup.truths)
   {
@@ -107,13 +107,12 @@ TrialResult AbstractMissions::run(const MissionSetup& setup, MissionObserver& ob
     else
       add(reasoner::toString(reasoner::parseGroundLiteral(truth, domain_->highLevel())), coarse);
   }
-  reasoner.setHistory({});
 
   AbstractWorld world(*domain_, models_, setup.seed);
   world.setNoise(setup.noise);
   world.reset(coarse, fine);
   const Narrator narrator(bindings_.phrases(), domain_->highLevel());
-  MissionDriver* told = nullptr;
+  Mission* told = nullptr;
   std::unique_ptr<LowLevelExecutor> between;
   if (executor)
   {
@@ -136,14 +135,16 @@ TrialResult AbstractMissions::run(const MissionSetup& setup, MissionObserver& ob
     });
   }
   LowLevelExecutor& acting = between ? *between : world;
-  MissionDriver driver(
-      *domain_, models_, narrator, reasoner, policies_, acting, observer,
-      [&world] { return world.now(); }, config_.driver);
-  told = &driver;
+  InProcessReasoner reasoner(descriptionFor(config_.method, domain_->highLevel()), config_.plan);
+  const auto mission = makeMission(config_.method,
+                                   {*domain_, models_, narrator, reasoner, policies_, acting,
+                                    observer, [&world] { return world.now(); }, config_.driver},
+                                   config_.baseline, baseline_cache_);
+  told = mission.get();
   TrialResult result;
-  result.mission = driver.achieve(setup.goal, setup.initial_records, setup.limits, 0.0);
+  result.mission = mission->achieve(setup.goal, setup.initial_records, setup.limits, 0.0);
   result.goal_is_true = world.holds(formula);
-  result.history = driver.knowledge().history;
+  result.history = mission->knowledge().history;
   return result;
 }
 

@@ -19,6 +19,7 @@
 #include <kr3_refinement/low_level_domain.hpp>
 
 #include "kr3_executive/abstract_mission.hpp"
+#include "kr3_executive/comparison.hpp"
 #include "kr3_executive/script_runner.hpp"
 
 namespace
@@ -53,6 +54,8 @@ struct Options
   std::vector<std::string> truths;
   std::vector<std::string> scripts;
   AbstractMissionConfig mission;
+  std::string method = toString(Method::kPa);
+  std::string flat_planning = toString(FlatPlanning::kBest);
   bool quiet = false;
 };
 
@@ -69,8 +72,9 @@ bool parse(int argc, char** argv, Options& options, int& status)
   app.add_option("--goal", options.goal, "formula; default: that of scenario.yaml");
   app.add_option("--seed", options.seed, "of the first trial; the others count on");
   app.add_option("--trials", options.trials)->check(CLI::PositiveNumber);
-  app.add_option("--target-at", options.target_at,
-                 "true value of the fluent that the goal is about");
+  app.add_option(
+      "--target-at", options.target_at,
+      "true value of the fluent that the goal is about; random: drawn anew for each trial");
   app.add_option("--true", options.truths,
                  "literal that is true in the world, such as \"loc(tb1) = kitchen\"");
   app.add_option("--cells-per-place", options.mission.components_per_whole,
@@ -81,6 +85,14 @@ bool parse(int argc, char** argv, Options& options, int& status)
                  "s of the solver, 0 = no limit");
   app.add_option("--default-probability", options.mission.driver.default_probability);
   app.add_option("--bindings", options.mission.bindings, "file in DOMAIN_DIR");
+  app.add_option("--method", options.method,
+                 "pa, pa_star, pomdp1, pomdp2, hierarchical; several with commas, or all: a table");
+  app.add_option("--bias", options.mission.baseline.default_probability,
+                 "POMDP-2: probability of what the defaults say");
+  app.add_option("--flat-planning", options.flat_planning,
+                 "POMDP-1 and POMDP-2: best, ahead or online");
+  app.add_option("--flat-backups", options.mission.baseline.budget.max_backups,
+                 "of the solver for the whole domain");
   app.add_flag("--quiet", options.quiet, "print the summary only");
   for (const char* name :
        {"--goal", "--seed", "--trials", "--target-at", "--true", "--cells-per-place",
@@ -100,9 +112,56 @@ bool parse(int argc, char** argv, Options& options, int& status)
   return true;
 }
 
+std::vector<Method> methodsOf(const std::string& text)
+{
+  if (text == "all")
+    return allMethods();
+  std::vector<Method> methods;
+  for (const auto& name : CLI::detail::split(text, ','))
+    methods.push_back(methodNamed(name));
+  return methods;
+}
+
+/// The same trials by several methods, and a table.
+int compare(const Options& options, const std::vector<Method>& methods)
+{
+  std::vector<MethodTrials> all;
+  Printer printer(true);
+  for (const Method method : methods)
+  {
+    AbstractMissionConfig config = options.mission;
+    config.method = method;
+    config.baseline.planning = flatPlanningNamed(options.flat_planning);
+    AbstractMissions missions(options.domain, config);
+    const std::string goal = options.goal.empty() ? missions.scenario().goal : options.goal;
+    MethodTrials trials{method, {}, 0.0};
+    const auto start = std::chrono::steady_clock::now();
+    for (std::uint64_t trial = 0; trial < options.trials; ++trial)
+    {
+      const std::uint64_t seed = options.seed + trial;
+      std::vector<std::string> truths = options.truths;
+      if (options.target_at == "random")
+        truths = drawnTruths(missions, goal, seed);
+      else if (!options.target_at.empty())
+        truths.push_back(missions.targetFluent(goal) + " = " + options.target_at);
+      trials.results.push_back(missions.run(goal, truths, seed, printer));
+    }
+    trials.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    all.push_back(std::move(trials));
+  }
+  printComparison(std::cout, all);
+  return EXIT_SUCCESS;
+}
+
 int run(const Options& options)
 {
-  AbstractMissions missions(options.domain, options.mission);
+  const std::vector<Method> methods = methodsOf(options.method);
+  if (methods.size() > 1 || options.target_at == "random")
+    return compare(options, methods);
+  AbstractMissionConfig config = options.mission;
+  config.method = methods.front();
+  config.baseline.planning = flatPlanningNamed(options.flat_planning);
+  AbstractMissions missions(options.domain, config);
   const std::string goal = options.goal.empty() ? missions.scenario().goal : options.goal;
   if (goal.empty())
     throw kr3::InvalidArgument("no goal: give --goal, the domain's scenario has none");

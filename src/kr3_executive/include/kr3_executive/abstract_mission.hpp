@@ -15,6 +15,7 @@
 #include "kr3_executive/bindings.hpp"
 #include "kr3_executive/driver.hpp"
 #include "kr3_executive/in_process.hpp"
+#include "kr3_executive/method.hpp"
 #include "kr3_executive/scenario.hpp"
 
 namespace kr3::executive
@@ -22,6 +23,8 @@ namespace kr3::executive
 
 struct AbstractMissionConfig
 {
+  Method method = Method::kPa;
+  BaselineOptions baseline;
   DriverConfig driver;
   reasoner::PlanOptions plan;
   /// Components of each magnified element where the domain has no map.yaml.
@@ -95,6 +98,7 @@ private:
   Bindings bindings_;
   Scenario scenario_;
   InProcessPolicyServer policies_;
+  std::shared_ptr<BaselineCache> baseline_cache_ = makeBaselineCache();
 };
 
 }  // namespace kr3::executive

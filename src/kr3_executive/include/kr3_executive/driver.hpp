@@ -18,6 +18,7 @@
 #include "kr3_executive/interfaces.hpp"
 #include "kr3_executive/low_level_task.hpp"
 #include "kr3_executive/mission.hpp"
+#include "kr3_executive/mission_interface.hpp"
 #include "kr3_executive/mission_log.hpp"
 #include "kr3_executive/narration.hpp"
 #include "kr3_executive/rule_interpreter.hpp"
@@ -25,54 +26,29 @@
 namespace kr3::executive
 {
 
-/// How a mission ended.
-struct MissionResult
-{
-  ErrorCode code = ErrorCode::kOk;  ///< kOk also when no plan was left
-  bool achieved = false;            ///< the history entails the goal
-  std::string reason;
-  std::uint32_t hl_actions = 0;
-  std::uint32_t ll_actions = 0;
-  double duration_s = 0.0;  ///< on the driver's clock
-};
-
 /// The loop around the transition function: performs its decisions with a reasoner, a policy server
 /// and an executor, and feeds back what comes of them. One core for a robot and for the abstract
 /// simulator.
 ///
-/// achieve() runs in one thread; cancel() and tell() may be called from others, and by the observer
-/// from within. Everything passed by reference must outlive the driver.
+/// Everything passed by reference must outlive the driver.
 ///
 /// What enters a mission from outside enters here alone, and is reported as an Input where it does
 /// (mission_log.hpp).
-class MissionDriver
+class MissionDriver : public Mission
 {
 public:
-  using Clock = std::function<double()>;  ///< s, never runs backwards
-
   MissionDriver(const refinement::LowLevelDomain& domain, const refinement::Models& models,
                 const Narrator& narrator, HighLevelReasoner& reasoner, PolicyServer& policies,
                 LowLevelExecutor& executor, MissionObserver& observer, Clock clock,
                 DriverConfig config);
 
-  /// Runs a mission until it ends; failures on the way are in the result.
-  ///
-  /// @param initial  records told when the history is empty (line 1)
-  /// @param time_limit_s  on the clock, 0 = none
-  /// @throws InvalidArgument  the goal does not fit the description; nothing was started
+  /// Line 1: `initial` is told when the history is empty.
   MissionResult achieve(const std::string& goal, const std::vector<reasoner::Record>& initial,
-                        const Limits& limits, double time_limit_s);
-
-  /// Ends the mission under way; it stays cancelled until the next achieve().
-  void cancel() { cancel_ = true; }
-
-  /// A fact from a person; taken in at once when no mission runs, else after the low-level action
-  /// under way. @throws InvalidArgument  it does not fit the description
-  void tell(const reasoner::Record& record);
-
-  /// Not while a mission runs.
-  [[nodiscard]] const Knowledge& knowledge() const { return knowledge_; }
-  void setKnowledge(Knowledge knowledge);
+                        const Limits& limits, double time_limit_s) override;
+  void cancel() override { cancel_ = true; }
+  void tell(const reasoner::Record& record) override;
+  [[nodiscard]] const Knowledge& knowledge() const override { return knowledge_; }
+  void setKnowledge(Knowledge knowledge) override;
 
   [[nodiscard]] const DriverConfig& config() const { return config_; }
 

@@ -1,5 +1,6 @@
 #include "executive_node.hpp"
 
+#include <algorithm>
 #include <condition_variable>
 #include <fstream>
 #include <sstream>
@@ -11,6 +12,7 @@
 #include <kr3_msgs/CellArray.h>
 
 #include "conversions.hpp"
+#include "kr3_executive/in_process.hpp"
 #include "kr3_executive/knowledge_file.hpp"
 #include "kr3_executive/names.hpp"
 
@@ -84,6 +86,16 @@ ExecutiveNodeConfig loadExecutiveNodeConfig(const ros::NodeHandle& private_nh)
   config.bindings = params.require<std::string>("bindings");
   config.scenario = params.get("scenario", config.scenario);
   config.state_file = params.get("state_file", config.state_file);
+  const std::string method = params.get("method", std::string(toString(config.method)));
+  const auto& methods = allMethods();
+  const auto named = std::find_if(methods.begin(), methods.end(),
+                                  [&](Method known) { return method == toString(known); });
+  params.check(named != methods.end(), "method",
+               "must be pa, pa_star, pomdp1, pomdp2 or hierarchical");
+  config.method = named == methods.end() ? config.method : *named;
+  double& bias = config.baseline.default_probability;
+  bias = params.get("pomdp2_bias", bias);
+  params.check(bias > 0.0 && bias < 1.0, "pomdp2_bias", "must be in (0, 1)");
   config.peer_deadline_s = params.get("peer_deadline_s", config.peer_deadline_s);
   params.check(config.peer_deadline_s > 0.0, "peer_deadline_s", "must be positive");
 
@@ -155,8 +167,17 @@ ExecutiveNode::ExecutiveNode(ros::NodeHandle nh, const ros::NodeHandle& private_
       config_.plan, now_s,
       [this](const RecordedInput& input) { input_publisher_.publish(toMsg(input)); });
   waitForPeers(stop);
-  driver_ = std::make_unique<MissionDriver>(*domain_, models_, *narrator_, reasoner_, policies_,
-                                            *executor_, *this, now_s, config_.driver);
+  const bool knows_defaults = config_.method == Method::kPa || config_.method == Method::kPomdp2;
+  if (!knows_defaults)
+  {
+    own_reasoner_ = std::make_unique<InProcessReasoner>(descriptionFor(config_.method, high_level),
+                                                        config_.plan);
+  }
+  HighLevelReasoner& reasoner = knows_defaults ? reasoner_ : *own_reasoner_;
+  driver_ = makeMission(config_.method,
+                        {*domain_, models_, *narrator_, reasoner, policies_, *executor_, *this,
+                         now_s, config_.driver},
+                        config_.baseline);
   restoreKnowledge();
   onSnapshot({State{}, {}, driver_->knowledge().history, {}, {}});
 

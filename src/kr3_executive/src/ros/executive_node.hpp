@@ -16,6 +16,7 @@
 
 #include "clients.hpp"
 #include "kr3_executive/driver.hpp"
+#include "kr3_executive/method.hpp"
 #include "kr3_executive/mission_recording.hpp"
 #include "kr3_executive/scenario.hpp"
 
@@ -32,6 +33,8 @@ struct ExecutiveNodeConfig
   std::string scenario;    ///< may be empty
   std::string state_file;  ///< may be empty
   double peer_deadline_s = 60.0;
+  Method method = Method::kPa;
+  BaselineOptions baseline;
   DriverConfig driver;
   reasoner::PlanOptions plan;
 };
@@ -81,7 +84,9 @@ private:
   RosReasoner reasoner_;
   RosPolicyServer policies_;
   std::unique_ptr<RosExecutor> executor_;
-  std::unique_ptr<MissionDriver> driver_;
+  /// Of a method without defaults: the reasoner node's description has them.
+  std::unique_ptr<HighLevelReasoner> own_reasoner_;
+  std::unique_ptr<Mission> driver_;
 
   std::mutex mutex_;  // guards the members down to `feedback_`
   Snapshot snapshot_;

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <kr3_refinement/state_space.hpp>
+
+#include "baseline_cache.hpp"
+#include "controller.hpp"
+#include "kr3_executive/method.hpp"
+#include "shortest_route.hpp"
+
+namespace kr3::executive
+{
+
+/// How a high-level action goes when its low-level policy carries it out.
+struct OptionModel
+{
+  double success_s = 0.0;  ///< mean seconds where it is possible and is found to have succeeded
+  double failure_s = 0.0;  ///< where it is impossible for what is hidden
+  double detection = 1.0;  ///< probability that it succeeds where it is possible
+  bool on_hidden = false;  ///< whether it is possible depends on what is hidden
+};
+
+/// The upper level of the hierarchy: the high-level description, each of its actions with what its
+/// low-level policy was simulated to take and to find out. Kept between missions.
+class CoarsePlan
+{
+public:
+  /// @param policies  must outlive the plan
+  CoarsePlan(const DomainBelief& start, reasoner::Formula goal, PolicyServer& policies,
+             const SolveBudget& budget, double threshold, std::size_t samples);
+
+  [[nodiscard]] refinement::StateSpace& space() { return space_; }
+
+  /// The belief over states of the high level that a belief over the low level amounts to.
+  [[nodiscard]] std::map<refinement::StateId, double> coarse(const DomainBelief& belief);
+
+  /// The way to the goal if the state is so.
+  const std::optional<Route>& goalFrom(refinement::StateId state);
+  /// The way to the first action that is possible only if what is hidden is as in the state: on the
+  /// way to the goal if there is one, else the nearest.
+  const std::optional<Route>& testFrom(refinement::StateId state);
+  const OptionModel& option(refinement::StateId state, std::size_t action);
+  [[nodiscard]] std::optional<refinement::StateId> combined(refinement::StateId state,
+                                                            refinement::StateId hidden_from);
+
+  [[nodiscard]] const std::vector<std::size_t>& hidden() const { return hidden_; }
+  /// A state as literals of the high level.
+  [[nodiscard]] std::vector<reasoner::Literal> literals(refinement::StateId state) const;
+  [[nodiscard]] const std::string& actionText(std::size_t action) const
+  {
+    return space_.actions()[action].text;
+  }
+
+  /// The task of an action begun in a state.
+  /// @param knowledge  of its fluents
+  /// @param found_s    seconds that carrying it out is worth; nothing: the models' rewards count.
+  ///                   Giving up is worth nothing then, so that the policy goes on as long as it
+  ///                   finds more a second than looking elsewhere would.
+  [[nodiscard]] refinement::PomdpTask task(refinement::StateId state, std::size_t action,
+                                           const refinement::InitialKnowledge& knowledge,
+                                           std::optional<double> found_s) const;
+
+private:
+  void addConstants(const reasoner::Formula& formula);
+  [[nodiscard]] bool holds(const reasoner::Formula& formula, refinement::StateId state) const;
+  [[nodiscard]] std::vector<std::size_t> actionsAbout(refinement::StateId state) const;
+  [[nodiscard]] std::optional<RouteStep> stepOf(refinement::StateId state, std::size_t action);
+  [[nodiscard]] std::optional<Route> route(refinement::StateId state, bool to_test);
+  [[nodiscard]] bool dependsOnHidden(refinement::StateId state, std::size_t action);
+  [[nodiscard]] double meanCost(refinement::StateId state, std::size_t action) const;
+  /// @param probability  of the state's hidden values at the start
+  void simulate(refinement::StateId state, std::size_t action, double probability,
+                std::optional<double> found_s, OptionModel& model);
+
+  const refinement::LowLevelDomain& domain_;
+  const refinement::Models& models_;
+  refinement::StateSpace space_;
+  reasoner::Formula goal_;
+  PolicyServer& policies_;
+  SolveBudget budget_;
+  double threshold_;
+  std::size_t samples_;
+  std::set<std::string> always_;  ///< constants that every state's routes may use
+  std::vector<std::size_t> hidden_;
+  std::vector<refinement::StateId> start_;
+  std::unordered_map<refinement::StateId, std::optional<refinement::StateId>> coarse_of_;
+  std::unordered_map<std::uint64_t, OptionModel> options_;
+  std::unordered_map<refinement::StateId, std::optional<Route>> tests_;
+  std::unordered_map<refinement::StateId, std::optional<Route>> goals_;
+  std::unordered_map<std::uint64_t, std::optional<refinement::StateId>> combined_;
+};
+
+}  // namespace kr3::executive

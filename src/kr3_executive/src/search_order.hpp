@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace kr3::executive
+{
+
+/// What testing one hypothesis takes, from where the robot then is.
+struct Prospect
+{
+  double test_s = 0.0;     ///< to get there and look
+  double rest_s = 0.0;     ///< from there to the goal, if it is true
+  double detection = 1.0;  ///< probability that looking shows it, if it is true
+  std::size_t end = 0;     ///< where the robot is afterwards, for further prospects
+};
+
+/// @param from  where the robot is
+/// @return nothing when the hypothesis cannot be tested or the goal cannot be reached under it
+using ProspectOf = std::function<std::optional<Prospect>(std::size_t from, std::size_t hypothesis)>;
+
+struct SearchOrderOptions
+{
+  /// Hypotheses that are tried as the first one; the others follow greedily.
+  std::size_t candidates = 8;
+  /// With more hypotheses than this the greedy choice decides.
+  std::size_t max_hypotheses = 150;
+};
+
+/// Which hypothesis to test first.
+///
+/// The greedy choice has the greatest detection probability per second, the rule that is optimal
+/// where the way there costs the same from everywhere. It is improved once (rollout): each of the
+/// best candidates is supposed to be tested first, the others after it by the greedy rule, and the
+/// one of the least expected seconds to the goal is taken; looking fails as often as it does, and
+/// what is left then counts like another round.
+///
+/// @param probability  of each hypothesis
+/// @return nothing when none can be tested
+/// Sources: Black (1965), the index of the discrete search problem; Bertsekas and Castañón (1999),
+/// rollout of such heuristics.
+[[nodiscard]] std::optional<std::size_t> firstToTest(const std::vector<double>& probability,
+                                                     std::size_t from, const ProspectOf& prospect,
+                                                     const SearchOrderOptions& options);
+
+}  // namespace kr3::executive
