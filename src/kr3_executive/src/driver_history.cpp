@@ -1,6 +1,7 @@
 // The part of MissionDriver that touches the high-level history: records, diagnosis, told facts.
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "kr3_executive/driver.hpp"
@@ -70,10 +71,12 @@ bool MissionDriver::isUnexpected(const Record& record)
       return false;
     return true;  // refuted, displaced, or known to have failed
   }
-  if (isAction(record) || record.step > currentStep(knowledge_.history))
+  const int now = currentStep(knowledge_.history);
+  const bool seen_by_the_way = record.source == kSightingSource;
+  if (isAction(record) || (record.step > now && !seen_by_the_way))
     return false;
   const Answer contrary = record.value ? Answer::kFalse : Answer::kTrue;
-  return reasoner_.entails(record.statement, record.step) == contrary;
+  return reasoner_.entails(record.statement, std::min(record.step, now)) == contrary;
 }
 
 Event MissionDriver::performRecords(const std::vector<Record>& records)
@@ -136,26 +139,65 @@ Event MissionDriver::performDiagnosis()
   return DiagnosisReady{diagnosis.consistent};
 }
 
+std::vector<std::size_t> MissionDriver::recordsToGiveUp()
+{
+  const auto& history = knowledge_.history;
+  // Records that contradict each other come before what was only looked for in vain.
+  std::vector<reasoner::Retraction> found = reasoner_.retractions({}, state_.step);
+  std::set<std::string> refuted;
+  for (const auto& record : history)
+  {
+    if (isRefutation(record))
+      refuted.insert(record.statement);
+  }
+  if (found.empty())
+  {
+    for (const auto& literal : refuted)
+    {
+      const auto more = reasoner_.retractions(literal, state_.step);
+      found.insert(found.end(), more.begin(), more.end());
+    }
+  }
+  const auto least = std::min_element(found.begin(), found.end(), [](const auto& a, const auto& b) {
+    return a.log_odds < b.log_odds;
+  });
+  if (least != found.end() && !least->records.empty())
+    return least->records;
+  // Nothing is impossible, as where an exogenous action could undo every refutation; still there is
+  // no plan left to try.
+  std::size_t index = history.size();
+  for (std::size_t i = 0; i < history.size(); ++i)
+  {
+    if (isRefutation(history[i]) &&
+        (index == history.size() || history[i].confidence < history[index].confidence))
+      index = i;
+  }
+  return index == history.size() ? std::vector<std::size_t>{} : std::vector<std::size_t>{index};
+}
+
 Event MissionDriver::performReopen()
 {
-  auto& history = knowledge_.history;
-  auto least = history.end();
-  for (auto it = history.begin(); it != history.end(); ++it)
-  {
-    if (isRefutation(*it) && (least == history.end() || it->confidence < least->confidence))
-      least = it;
-  }
-  if (least == history.end())
+  std::vector<std::size_t> indices = recordsToGiveUp();
+  if (indices.empty())
     return RefutationReopened{false};
-  Record reopened = *least;
-  const std::string fluent = takeApart(reopened.statement).fluent();
-  history.erase(least);
+  auto& history = knowledge_.history;
+  std::sort(indices.rbegin(), indices.rend());
+  std::vector<Record> given_up;
+  for (const std::size_t index : indices)
+  {
+    given_up.push_back(history.at(index));
+    history.erase(history.begin() + static_cast<std::ptrdiff_t>(index));
+  }
   supports_.clear();
   reasoner_.setHistory(history);
-  knowledge_.memory.erase(fluent);
-  Narration narration = narrator_.record(reopened, false);
-  narration.text = "taken back as the least certain refutation: " + narration.text;
-  report(EventKind::kRecord, std::move(narration));
+  for (const auto& record : given_up)
+  {
+    const LiteralText literal = takeApart(record.statement);
+    forget(domain_, knowledge_.memory, literal.fluent(), literal.value);
+    Narration narration = narrator_.record(record, false);
+    narration.text = "taken back as the least certain record: " + narration.text;
+    report(EventKind::kRecord, std::move(narration));
+  }
   return RefutationReopened{true};
 }
 

@@ -16,11 +16,29 @@ InProcessReasoner::InProcessReasoner(reasoner::Description description,
 void InProcessReasoner::setHistory(const std::vector<reasoner::Record>& records)
 {
   reasoner_.setHistory(records);
+  window_.reset(records);
+  progressIfDue();
+}
+
+void InProcessReasoner::progressIfDue()
+{
+  const auto step = window_.due();
+  if (!step)
+    return;
+  try
+  {
+    window_.beginsAt(reasoner_.progress(*step).first_step);
+  }
+  catch (const FailedPrecondition&)  // it is inconsistent: that has to be mended first
+  {
+  }
 }
 
 void InProcessReasoner::addRecords(const std::vector<reasoner::Record>& records)
 {
   reasoner_.addRecords(records);
+  window_.add(records);
+  progressIfDue();
 }
 
 reasoner::Diagnosis InProcessReasoner::diagnose()
@@ -49,6 +67,15 @@ std::vector<std::string> InProcessReasoner::entailedAt(int step)
 reasoner::Explanation InProcessReasoner::explain(const std::string& literal, int step)
 {
   return reasoner_.explain(literal, step);
+}
+
+std::vector<reasoner::Retraction> InProcessReasoner::retractions(const std::string& literal,
+                                                                 int step)
+{
+  auto found = literal.empty() ? reasoner_.retractions() : reasoner_.retractionsFor(literal, step);
+  for (auto& retraction : found)
+    retraction.records = window_.amongAll(retraction.records);
+  return found;
 }
 
 reasoner::PlanResult InProcessReasoner::plan(const std::string& goal,

@@ -146,6 +146,7 @@ json toJson(const DriverConfig& config)
           {"max_backups", config.budget.max_backups},
           {"default_probability", config.default_probability},
           {"least_hypothesis_probability", config.least_hypothesis_probability},
+          {"change_probability", config.change_probability},
           {"max_skill_retries", config.max_skill_retries},
           {"explain_facts", config.explain_facts}};
 }
@@ -160,6 +161,7 @@ DriverConfig configFromJson(const json& item)
   item.at("default_probability").get_to(config.default_probability);
   item.at("least_hypothesis_probability").get_to(config.least_hypothesis_probability);
   config.max_skill_retries = countAt<std::uint32_t>(item, "max_skill_retries");
+  item.at("change_probability").get_to(config.change_probability);
   item.at("explain_facts").get_to(config.explain_facts);
   return config;
 }

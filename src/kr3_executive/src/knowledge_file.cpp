@@ -16,9 +16,27 @@ using nlohmann::json;
 
 constexpr int kVersion = 1;
 
+/// @return null when there is no such file
+json readDocument(const std::string& path)
+{
+  if (!std::filesystem::exists(path))
+    return nullptr;
+  std::ifstream file(path);
+  if (!file)
+    throw Unavailable("cannot read '" + path + "'");
+  json document = json::parse(file);
+  if (document.at("version").get<int>() != kVersion)
+  {
+    throw InvalidArgument(path + ": version " + document.at("version").dump() + ", expected " +
+                          std::to_string(kVersion));
+  }
+  return document;
+}
+
 }  // namespace
 
-void writeKnowledge(const std::string& path, const Knowledge& knowledge)
+void writeKnowledge(const std::string& path, const Knowledge& knowledge,
+                    const std::optional<MissionUnderWay>& mission)
 {
   json history = json::array();
   for (const auto& record : knowledge.history)
@@ -33,7 +51,13 @@ void writeKnowledge(const std::string& path, const Knowledge& knowledge)
   json memory = json::object();
   for (const auto& [fluent, remembered] : knowledge.memory)
     memory[fluent] = {{"values", remembered.values}, {"assumed", remembered.assumed}};
-  const json document = {{"version", kVersion}, {"history", history}, {"memory", memory}};
+  json document = {{"version", kVersion}, {"history", history}, {"memory", memory}};
+  if (mission)
+  {
+    document["mission"] = {{"goal", mission->goal},
+                           {"max_hl_actions", mission->max_hl_actions},
+                           {"time_left_s", mission->time_left_s}};
+  }
 
   const std::string fresh = path + ".new";
   {
@@ -51,17 +75,11 @@ void writeKnowledge(const std::string& path, const Knowledge& knowledge)
 
 std::optional<Knowledge> readKnowledge(const std::string& path)
 {
-  if (!std::filesystem::exists(path))
-    return std::nullopt;
-  std::ifstream file(path);
-  if (!file)
-    throw Unavailable("cannot read '" + path + "'");
   try
   {
-    const json document = json::parse(file);
-    if (document.at("version").get<int>() != kVersion)
-      throw InvalidArgument(path + ": version " + document.at("version").dump() + ", expected " +
-                            std::to_string(kVersion));
+    const json document = readDocument(path);
+    if (document.is_null())
+      return std::nullopt;
     Knowledge knowledge;
     for (const auto& item : document.at("history"))
     {
@@ -79,6 +97,22 @@ std::optional<Knowledge> readKnowledge(const std::string& path)
                                   item.at("assumed").get<std::string>()};
     }
     return knowledge;
+  }
+  catch (const json::exception& e)
+  {
+    throw InvalidArgument(path + ": " + e.what());
+  }
+}
+
+std::optional<MissionUnderWay> readMissionUnderWay(const std::string& path)
+{
+  try
+  {
+    const json document = readDocument(path);
+    if (document.is_null() || !document.contains("mission"))
+      return std::nullopt;
+    const json& item = document.at("mission");
+    return MissionUnderWay{item.at("goal"), item.at("max_hl_actions"), item.at("time_left_s")};
   }
   catch (const json::exception& e)
   {

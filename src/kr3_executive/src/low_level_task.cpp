@@ -1,6 +1,7 @@
 #include "kr3_executive/low_level_task.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <utility>
@@ -16,11 +17,8 @@ namespace
 
 using refinement::Distribution;
 using refinement::kElsewhere;
-
-/// The name that PomdpTask gives to mass and observations beyond the zoom.
-const std::string kOutside = "outside";
-
-constexpr double kCertain = 0.999;
+using refinement::kNoObservation;
+using refinement::kOutside;
 
 std::string symbolOf(const std::string& atom)
 {
@@ -49,11 +47,6 @@ Distribution normalised(Distribution values)
   return values;
 }
 
-bool isBoolean(const std::string& value)
-{
-  return value == "true" || value == "false";
-}
-
 std::string firstOf(const Distribution& values)
 {
   return std::max_element(values.begin(), values.end(),
@@ -61,15 +54,37 @@ std::string firstOf(const Distribution& values)
       ->first;
 }
 
-}  // namespace
-
-std::string coarseFluent(const refinement::LowLevelDomain& domain, const std::string& fluent)
+/// The belief after an action and an observation that is right with a probability.
+/// @throws FailedPrecondition  the observation is impossible in the model at the belief
+pomdp::Belief tempered(const pomdp::Model& model, const pomdp::Belief& belief, std::size_t action,
+                       std::size_t observation, double confidence, std::size_t num_possible)
 {
-  LiteralText parts = takeApart(fluent);
-  for (auto& argument : parts.arguments)
-    argument = domain.coarse(argument);
-  return parts.fluent();
+  pomdp::Belief exact = pomdp::updated(model, belief, action, observation).posterior;
+  if (confidence >= 1.0)
+    return exact;
+  std::vector<double> next(model.numStates(), 0.0);
+  for (std::size_t state = 0; state < next.size(); ++state)
+  {
+    if (belief[state] == 0.0)
+      continue;
+    for (const auto& entry : model.transitions(action, state))
+      next[entry.index] += belief[state] * entry.probability;
+  }
+  double sum = 0.0;
+  for (std::size_t state = 0; state < next.size(); ++state)
+  {
+    double likelihood = (1.0 - confidence) / static_cast<double>(num_possible);
+    for (const auto& entry : model.observations(action, state))
+      likelihood += entry.index == observation ? confidence * entry.probability : 0.0;
+    next[state] *= likelihood;
+    sum += next[state];
+  }
+  for (auto& probability : next)
+    probability /= sum;
+  return pomdp::Belief(std::move(next));
 }
+
+}  // namespace
 
 std::vector<ObservedFluent> observedFluents(const reasoner::Description& low_level,
                                             const LowLevelAction& action)
@@ -101,60 +116,6 @@ std::vector<ObservedFluent> observedFluents(const reasoner::Description& low_lev
   return observed;
 }
 
-refinement::InitialKnowledge initialKnowledge(const refinement::LowLevelDomain& domain,
-                                              const refinement::Zoom& zoom,
-                                              const LowLevelMemory& memory,
-                                              const SupportOf& support)
-{
-  refinement::InitialKnowledge knowledge;
-  std::map<std::string, std::string> start;  // high-level values by fluent
-  for (const auto& literal : zoom.start)
-  {
-    if (literal.equal)
-      start[reasoner::toString(literal.atom)] = literal.value.name;
-  }
-  std::set<std::string> settled;
-  for (const auto& [fluent, remembered] : memory)
-  {
-    if (domain.highLevel().findFluent(symbolOf(fluent)) == nullptr)
-    {
-      knowledge.fine[fluent] = remembered.values;  // the high level says nothing about it
-      continue;
-    }
-    const std::string whole = coarseFluent(domain, fluent);
-    const auto held = start.find(whole);
-    if (held == start.end() || held->second == "false")
-      continue;
-    double inside = 0.0;
-    for (const auto& component : domain.components(held->second))
-    {
-      const auto entry = remembered.values.find(component);
-      inside += entry == remembered.values.end() ? 0.0 : entry->second;
-    }
-    const bool of_a_part = whole != fluent;  // a part may differ from its whole
-    if (inside > 0.5 || of_a_part || (remembered.assumed == held->second && inside > 0.0))
-    {
-      knowledge.fine[fluent] = remembered.values;
-      settled.insert(whole);
-    }
-  }
-  for (const auto& [fluent, value] : start)
-  {
-    if (settled.count(fluent) != 0)
-      continue;
-    const bool boolean = isBoolean(value);
-    const std::string literal =
-        boolean ? (value == "true" ? fluent : "-" + fluent) : fluent + " = " + value;
-    const double probability = support(literal).probability;
-    if (probability >= kCertain)
-      continue;
-    knowledge.coarse[fluent] = {{value, probability}};
-    if (boolean)
-      knowledge.coarse[fluent][value == "true" ? "false" : "true"] = 1.0 - probability;
-  }
-  return knowledge;
-}
-
 LowLevelTask::LowLevelTask(const refinement::LowLevelDomain& domain, refinement::PomdpTask pomdp,
                            const refinement::InitialKnowledge& knowledge)
   : domain_(domain)
@@ -180,14 +141,15 @@ std::size_t LowLevelTask::observationIndex(std::size_t action,
   for (const auto& value : observation)
     name += (name.empty() ? "" : ",") + value;
   if (observation.empty())
-    name = "none";
+    name = kNoObservation;
   const auto index = pomdp_.model().findObservation(name);
   if (index && std::find(possible.begin(), possible.end(), *index) != possible.end())
     return *index;
   return pomdp_.model().numObservations();  // beyond the zoom
 }
 
-bool LowLevelTask::update(std::size_t action, const std::vector<std::string>& observation)
+bool LowLevelTask::update(std::size_t action, const std::vector<std::string>& observation,
+                          double confidence)
 {
   const LowLevelAction executed = this->action(action);
   const auto laws = observedFluents(domain_.description(), executed);
@@ -196,8 +158,14 @@ bool LowLevelTask::update(std::size_t action, const std::vector<std::string>& ob
     throw InvalidArgument(executed.text + " gave " + std::to_string(observation.size()) +
                           " observations, expected " + std::to_string(laws.size()));
   }
+  if (!(confidence > 0.0 && confidence <= 1.0))
+  {
+    throw InvalidArgument(executed.text + " gave an observation with confidence " +
+                          std::to_string(confidence) + ", expected (0, 1]");
+  }
   attempted_ = attempted_ || executed.symbol == symbol_;
   std::vector<std::string> told = observation;
+  observed_last_.clear();
   for (std::size_t i = 0; i < laws.size(); ++i)
   {
     if (!laws[i].value.empty())
@@ -208,23 +176,71 @@ bool LowLevelTask::update(std::size_t action, const std::vector<std::string>& ob
              fluent.values.back() == kElsewhere;
     });
     if (hidden == fluents.end())
-      observed_[laws[i].fluent] = observation[i];
+      observed_last_[laws[i].fluent] = observation[i];
     else if (std::find(hidden->values.begin(), hidden->values.end(), told[i]) ==
              hidden->values.end())
       told[i] = kOutside;  // one more hint, which the belief weighs: sensors err
   }
+  for (const auto& [fluent, value] : observed_last_)
+    observed_[fluent] = value;
   const std::size_t index = observationIndex(action, told);
   if (index == pomdp_.model().numObservations())
     return false;
   try
   {
-    belief_ = pomdp::updated(pomdp_.model(), belief_, action, index).posterior;
+    belief_ = tempered(pomdp_.model(), belief_, action, index, confidence,
+                       pomdp_.observationsOf(action).size());
   }
   catch (const FailedPrecondition&)
   {
     return false;
   }
   return true;
+}
+
+void LowLevelTask::notice(const SightingLikelihood& sighting)
+{
+  const std::string& fluent = sighting.fluent();
+  const auto known = noticed_.find(fluent);
+  noticed_[fluent] = sighting.applied(known == noticed_.end() ? unknownValue() : known->second);
+
+  const auto& fluents = pomdp_.fluents();
+  const auto zoomed = std::find_if(fluents.begin(), fluents.end(),
+                                   [&](const auto& candidate) { return candidate.name == fluent; });
+  if (zoomed == fluents.end())
+    return;
+  const auto index = static_cast<std::size_t>(zoomed - fluents.begin());
+  std::vector<double> next = belief_.probabilities();
+  const double outside = sighting.ofOthers(zoomed->values);
+  double sum = 0.0;
+  for (std::size_t state = 0; state < next.size(); ++state)
+  {
+    double likelihood = outside;
+    if (pomdp_.kind(state) == refinement::PomdpTask::StateKind::kPhysical)
+    {
+      const auto value = static_cast<std::size_t>(pomdp_.physicalState(state)[index]);
+      const std::string& name = zoomed->values[value];
+      likelihood = name == kElsewhere ? outside : sighting.of(name);
+    }
+    next[state] *= likelihood;
+    sum += next[state];
+  }
+  if (!(sum > 0.0))
+    return;  // only where what was seen has probability 0: the belief cannot take it in
+  for (auto& probability : next)
+    probability /= sum;
+  belief_ = pomdp::Belief(std::move(next));
+}
+
+std::optional<double> LowLevelTask::beliefIn(const std::string& coarse_fluent,
+                                             const std::string& value) const
+{
+  const auto coarse = pomdp_.coarseFluents();
+  if (std::find(coarse.begin(), coarse.end(), coarse_fluent) == coarse.end())
+    return std::nullopt;
+  const auto marginal = pomdp_.coarseMarginal(belief_, coarse_fluent);
+  const auto entry = marginal.find(value);
+  return entry == marginal.end() ? 0.0 : entry->second;
 }
 
 Assessment LowLevelTask::assess() const
@@ -252,11 +268,48 @@ Assessment LowLevelTask::assess() const
   return assessment;
 }
 
+/// The zoom's belief with its mass on `elsewhere` divided among other values: by what was noticed
+/// of them while the action lasted, else by what was remembered.
+Distribution LowLevelTask::rememberedValues(const std::string& fluent, const Distribution& inside,
+                                            const LowLevelMemory& memory) const
+{
+  Distribution values = inside;
+  const auto elsewhere = values.find(kElsewhere);
+  if (elsewhere == values.end())
+    return values;
+  Distribution others;
+  const auto noticed = noticed_.find(fluent);
+  const auto remembered = memory.find(fluent);
+  const auto sawOutside = [&values](const Distribution& seen) {
+    return std::any_of(seen.begin(), seen.end(), [&values](const auto& entry) {
+      return entry.first != kElsewhere && values.count(entry.first) == 0;
+    });
+  };
+  if (noticed != noticed_.end() && sawOutside(noticed->second))
+    others = noticed->second;
+  else if (remembered != memory.end())
+    others = remembered->second.values;
+  double sum = 0.0;
+  for (auto it = others.begin(); it != others.end();)
+  {
+    const bool outside = it->first == kElsewhere || values.count(it->first) == 0;
+    sum += outside ? it->second : 0.0;
+    it = outside ? std::next(it) : others.erase(it);
+  }
+  if (!(sum > 0.0))
+    return values;
+  const double mass = elsewhere->second;
+  values.erase(elsewhere);
+  for (const auto& [value, probability] : others)
+    values[value] = mass * probability / sum;
+  return values;
+}
+
 void LowLevelTask::remember(LowLevelMemory& memory) const
 {
   for (const auto& fluent : pomdp_.fluents())
   {
-    Distribution values = normalised(pomdp_.fineMarginal(belief_, fluent.name));
+    const Distribution values = normalised(pomdp_.fineMarginal(belief_, fluent.name));
     if (values.empty())
       continue;
     const std::string most = firstOf(values);
@@ -266,13 +319,25 @@ void LowLevelTask::remember(LowLevelMemory& memory) const
       if (assumed.empty() && reasoner::toString(literal.atom) == coarseFluent(domain_, fluent.name))
         assumed = literal.value.name;
     }
-    memory[fluent.name] = {std::move(values), std::move(assumed)};
+    memory[fluent.name] = {rememberedValues(fluent.name, values, memory), std::move(assumed)};
+  }
+  for (const auto& [fluent, values] : noticed_)
+  {
+    const auto& zoomed = pomdp_.fluents();
+    if (std::any_of(zoomed.begin(), zoomed.end(), [&](const auto& f) { return f.name == fluent; }))
+      continue;
+    const std::string most = firstOf(values);
+    if (most != kElsewhere || memory.count(fluent) == 0)  // a faint sighting ousts no memory
+      memory[fluent] = {values, most == kElsewhere ? std::string() : domain_.coarse(most)};
   }
   // What was observed last outweighs a belief that could not take it in.
   for (const auto& [fluent, value] : observed_)
   {
-    const auto known = memory.find(fluent);
-    if (known == memory.end() || known->second.values.count(value) == 0)
+    const auto& fluents = pomdp_.fluents();
+    const auto zoomed = std::find_if(fluents.begin(), fluents.end(),
+                                     [&](const auto& f) { return f.name == fluent; });
+    if (zoomed == fluents.end() ||
+        std::find(zoomed->values.begin(), zoomed->values.end(), value) == zoomed->values.end())
       memory[fluent] = {{{value, 1.0}}, domain_.coarse(value)};
   }
 }

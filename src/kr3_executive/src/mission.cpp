@@ -24,12 +24,6 @@ std::string firstAction(const reasoner::Plan& plan)
   return plan.steps.empty() || plan.steps.front().empty() ? std::string() : plan.steps.front()[0];
 }
 
-/// A record needs a confidence in (0, 1]; a belief of 1 is a belief, so it stays below certainty.
-double confidenceOf(double belief)
-{
-  return std::clamp(belief, 0.001, 0.999);
-}
-
 const Refutation* strongest(const Assessment& assessment)
 {
   const auto& all = assessment.refutations;
@@ -39,14 +33,27 @@ const Refutation* strongest(const Assessment& assessment)
   return best == all.end() ? nullptr : &*best;
 }
 
-ActionResult resultOf(const Assessment& assessment, double threshold)
+/// A sighting contradicts what the plan rests on.
+bool overturned(const Assessment& assessment)
 {
+  return std::any_of(assessment.noticed.begin(), assessment.noticed.end(),
+                     [](const auto& noticed) { return noticed.overturns; });
+}
+
+/// How the action stands. What is achieved has to be believed above the threshold always.
+///
+/// @param least  belief that refutes an assumption
+ActionResult resultOf(const Assessment& assessment, double threshold, double least)
+{
+  if (assessment.denied)
+    return ActionResult::kDisplaced;
   if (assessment.achieved > threshold)
     return ActionResult::kAchieved;
   const Refutation* refutation = strongest(assessment);
-  if (refutation != nullptr && refutation->probability > threshold)
+  if (refutation != nullptr && refutation->probability > least)
     return ActionResult::kRefuted;
-  return assessment.changed.empty() ? ActionResult::kUnresolved : ActionResult::kDisplaced;
+  return assessment.changed.empty() && !overturned(assessment) ? ActionResult::kUnresolved
+                                                               : ActionResult::kDisplaced;
 }
 
 Transition finish(State state, Finish outcome)
@@ -64,6 +71,7 @@ Transition cancelled(State state)
 Transition requestPlan(State state)
 {
   state.phase = Phase::kPlanning;
+  state.replan = false;
   return {std::move(state), RequestPlan{}};
 }
 
@@ -84,10 +92,11 @@ Transition startAction(State state)
   return {std::move(state), RequestPolicy{std::move(action), false}};
 }
 
-/// Belief that counts as knowledge. A policy that gave up below the threshold, and has nothing
-/// better to do when it is asked again, will never get there: then the belief that its looking left
-/// counts, if it says more than a coin, with its own confidence.
-double thresholdFor(const State& state)
+/// Belief above which an assumption counts as refuted. A policy that gave up below the threshold,
+/// and has nothing better to do when it is asked again with the belief it left, will never get
+/// there: another look is not worth its time to it. Then that belief counts, if it says more than a
+/// coin, and the record carries it as its confidence.
+double leastRefutation(const State& state)
 {
   const bool nothing_new = state.ll_actions_here == 0 && state.assessment.remembered;
   return nothing_new ? kMoreLikelyThanNot : state.limits.threshold;
@@ -97,13 +106,14 @@ double thresholdFor(const State& state)
 Transition endAction(State state)
 {
   const std::string action = state.currentAction();
-  const double threshold = thresholdFor(state);
-  const ActionResult result = resultOf(state.assessment, threshold);
+  const double least = leastRefutation(state);
+  const ActionResult result = resultOf(state.assessment, state.limits.threshold, least);
   state.last_result = result;
+  state.replan = overturned(state.assessment);
   ++state.hl_actions_done;
   if (result != ActionResult::kAchieved)
     ++state.failures[attemptKey(action, state.plan->plan.hypothesis)];
-  AddRecords decision{recordsOf(action, state.step, result, state.assessment, threshold)};
+  AddRecords decision{recordsOf(action, state.step, result, state.assessment, least)};
   state.phase = Phase::kRecording;
   return {std::move(state), std::move(decision)};
 }
@@ -111,7 +121,8 @@ Transition endAction(State state)
 /// Line 12: go on while the action is neither completed nor known to be unachievable.
 Transition continueAction(State state)
 {
-  const ActionResult result = resultOf(state.assessment, state.limits.threshold);
+  const double threshold = state.limits.threshold;
+  const ActionResult result = resultOf(state.assessment, threshold, threshold);
   if (result != ActionResult::kUnresolved || state.ll_actions_here >= state.limits.max_ll_actions)
   {
     return endAction(std::move(state));
@@ -202,7 +213,7 @@ Transition onRecords(State state, const RecordsAdded& event)
   if (after_action && state.last_result == ActionResult::kAchieved)
   {
     ++state.plan_index;
-    if (state.plan_index < state.plan->plan.steps.size())
+    if (!state.replan && state.plan_index < state.plan->plan.steps.size())
       return startAction(std::move(state));
   }
   return requestPlan(std::move(state));
@@ -225,6 +236,7 @@ Transition onTold(State state, const Told& event)
   {
     return {std::move(state), Wait{}};  // the driver offers it again in a phase that can take it
   }
+  state.replan = true;  // whatever is left of the plan: another one may be better now
   reasoner::Record record = event.record;
   record.step = state.step;
   for (const auto& earlier : records)
@@ -310,13 +322,14 @@ struct Stepper
     next.assessment = event.assessment;
     return endAction(std::move(next));
   }
-  Transition operator()(const TaskLost&) const
+  Transition operator()(const TaskLost& event) const
   {
     if (state.phase != Phase::kExecuting)
       return ignored();
     State next = state;
     ++next.ll_actions_done;
     ++next.ll_actions_here;
+    next.assessment = event.assessment;
     if (++next.rebuilds > next.limits.max_rebuilds)
       return endAction(std::move(next));
     next.phase = Phase::kPreparing;
@@ -368,101 +381,11 @@ struct Stepper
 
 }  // namespace
 
-const char* toString(Phase phase)
-{
-  switch (phase)
-  {
-    case Phase::kIdle:
-      return "idle";
-    case Phase::kReporting:
-      return "reporting";
-    case Phase::kPlanning:
-      return "planning";
-    case Phase::kPreparing:
-      return "preparing";
-    case Phase::kExecuting:
-      return "executing";
-    case Phase::kRecording:
-      return "recording";
-    case Phase::kDiagnosing:
-      return "diagnosing";
-    case Phase::kReopening:
-      return "reopening";
-    case Phase::kFinished:
-      return "finished";
-  }
-  return "unknown";
-}
-
-const char* toString(ActionResult result)
-{
-  switch (result)
-  {
-    case ActionResult::kNone:
-      return "none";
-    case ActionResult::kAchieved:
-      return "achieved";
-    case ActionResult::kRefuted:
-      return "refuted";
-    case ActionResult::kDisplaced:
-      return "displaced";
-    case ActionResult::kUnresolved:
-      return "unresolved";
-  }
-  return "unknown";
-}
-
 std::string State::currentAction() const
 {
   if (!plan || plan_index >= plan->plan.steps.size() || plan->plan.steps[plan_index].empty())
     return {};
   return plan->plan.steps[plan_index].front();
-}
-
-std::vector<reasoner::Record> recordsOf(const std::string& action, int step, ActionResult result,
-                                        const Assessment& assessment, double threshold)
-{
-  using reasoner::Record;
-  using reasoner::RecordKind;
-  std::vector<Record> records;
-  if (result == ActionResult::kAchieved)
-  {
-    records.push_back({RecordKind::kHappened, action, true, step, 1.0, "robot"});
-    for (const auto& effect : assessment.effects)
-    {
-      records.push_back({RecordKind::kObserved, effect, true, step + 1,
-                         confidenceOf(assessment.achieved), "robot"});
-    }
-    return records;
-  }
-  for (const auto& refutation : assessment.refutations)
-  {
-    if (refutation.probability > threshold)
-    {
-      records.push_back({RecordKind::kObserved, refutation.literal, false, step,
-                         confidenceOf(refutation.probability), "robot"});
-    }
-  }
-  if (!assessment.changed.empty())
-  {
-    records.push_back(
-        assessment.happened
-            ? Record{RecordKind::kHappened, *assessment.happened, true, step, 1.0, "robot"}
-            : Record{RecordKind::kAttempted, action, true, step, 1.0, "robot"});
-    for (const auto& literal : assessment.changed)
-      records.push_back({RecordKind::kObserved, literal, true, step + 1, 1.0, "robot"});
-  }
-  else if (assessment.attempted)
-  {
-    records.push_back({RecordKind::kAttempted, action, true, step, 1.0, "robot"});
-    // Of several effects it is not known which one failed; a single one is known to have failed.
-    if (assessment.effects.size() == 1 && 1.0 - assessment.achieved > threshold)
-    {
-      records.push_back({RecordKind::kObserved, assessment.effects.front(), false, step + 1,
-                         confidenceOf(1.0 - assessment.achieved), "robot"});
-    }
-  }
-  return records;
 }
 
 Transition step(const State& state, const Event& event)

@@ -188,7 +188,8 @@ Narration Narrator::policy(const std::string& action, const SolvedPolicy& policy
 }
 
 Narration Narrator::lowLevelAction(const LowLevelAction& action, const LowLevelResult& result,
-                                   const LowLevelTask& task) const
+                                   const LowLevelTask& task,
+                                   const std::vector<std::string>& ignored) const
 {
   std::string text = action.symbol;
   for (std::size_t i = 0; i < action.arguments.size(); ++i)
@@ -198,6 +199,14 @@ Narration Narrator::lowLevelAction(const LowLevelAction& action, const LowLevelR
     text += ": " + result.outcome;
   if (!result.observation.empty())
     text += " (" + listed(result.observation) + ")";
+  json sightings = json::array();
+  for (const auto& sighting : result.sightings)
+  {
+    text += "; noticed " + sighting.literal + " (" + rounded(sighting.confidence) + ")";
+    sightings.push_back({{"literal", sighting.literal}, {"confidence", sighting.confidence}});
+  }
+  for (const auto& why : ignored)
+    text += "; ignored " + why;
   const std::string summary = task.pomdp().summary(task.belief());
   text += "; " + summary;
   json data = {{"action", action.text},
@@ -207,6 +216,8 @@ Narration Narrator::lowLevelAction(const LowLevelAction& action, const LowLevelR
                {"observation", result.observation},
                {"confidence", result.confidence},
                {"duration_s", result.duration_s},
+               {"sightings", sightings},
+               {"ignored", ignored},
                {"belief", summary},
                {"assessment", assessmentJson(task.assess())}};
   return {text, data.dump()};

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 
 import actionlib
@@ -31,6 +32,7 @@ from kr3_msgs.msg import (
 )
 from kr3_msgs.srv import Tell
 from std_msgs.msg import Bool
+from std_srvs.srv import Trigger
 
 PLACES = ["office", "main_library", "aux_library", "kitchen", "study_corner", "corridor"]
 GOAL = "loc(tb1) = study_corner and not in_hand(rob1, tb1)"
@@ -277,6 +279,32 @@ class ExecutiveNodeTest(unittest.TestCase):
         self.assertTrue(result.achieved)
         self.assertEqual(result.ll_actions, 0)
         self.assertEqual(len(self.state().history), records)
+
+    def test_6_ab_a_mission_under_way_goes_on_after_a_crash(self):
+        self.robot.hold_search.clear()
+        self.robot.searching.clear()
+        self.client.send_goal(AchieveGoal(goal="loc(tb1) = office and not in_hand(rob1, tb1)"))
+        self.assertTrue(self.robot.searching.wait(60), "no search started")
+        del self.events[:]
+        os.killpg(self.node.pid, signal.SIGKILL)
+        self.node.wait(timeout=30)
+        self.robot.hold_search.set()
+        type(self).node = start_node(state_file=self.state_file)
+        threading.Thread(target=self._collect, args=(self.node,), daemon=True).start()
+        deadline = time.monotonic() + 90
+        while MissionEvent.DONE not in [event.kind for event in self.events]:
+            self.assertLess(time.monotonic(), deadline, "the mission did not go on")
+            time.sleep(0.1)
+        self.assertTrue(self.robot.book.startswith("office"))
+        self.assertFalse(self.robot.held)
+        self.assertEqual(self.state().goal, "loc(tb1) = office and not in_hand(rob1, tb1)")
+        with open(self.state_file, encoding="utf-8") as file:
+            self.assertNotIn("mission", json.load(file))
+
+    def test_6_ac_nothing_is_left_to_cancel(self):
+        cancel = rospy.ServiceProxy("executive/cancel", Trigger)
+        cancel.wait_for_service(timeout=10)
+        self.assertFalse(cancel().success)
 
     def restart(self, **overrides):
         """A node without a past, with these parameters on top."""

@@ -246,6 +246,11 @@ Zoom zoom(const LowLevelDomain& domain, const std::vector<Literal>& state, const
   {
     if (transition.before[i] != transition.after[i])
     {
+      if (transition.after[i] == Vocabulary::kNone)
+      {
+        throw FailedPrecondition(result.action + " leaves " + semantics.fluents()[i].name +
+                                 " without a value in the state given");
+      }
       result.effects.push_back(literalOf(semantics, i, transition.after[i]));
     }
   }

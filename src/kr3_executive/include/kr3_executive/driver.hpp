@@ -21,6 +21,7 @@
 #include "kr3_executive/mission_interface.hpp"
 #include "kr3_executive/mission_log.hpp"
 #include "kr3_executive/narration.hpp"
+#include "kr3_executive/plan_cost.hpp"
 #include "kr3_executive/rule_interpreter.hpp"
 
 namespace kr3::executive
@@ -57,11 +58,33 @@ private:
   Event performPlan();
   Event performPolicy(const RequestPolicy& request);
   Event performAction();
+  void costPlans(std::vector<CostedPlan>& plans);
+  /// By what the low level remembers; they exclude each other. Shape [hypotheses], sums to 1.
+  [[nodiscard]] std::vector<double> hypothesisProbabilities(
+      const std::vector<std::vector<std::string>>& hypotheses) const;
+  /// An exogenous action that is possible in the task's start would change the fluent.
+  [[nodiscard]] bool mayHaveChanged(const std::string& fluent) const;
+  void allowForChange(const refinement::Zoom& zoom, refinement::InitialKnowledge& knowledge) const;
+  /// @return what is wrong with those that were left out
+  std::vector<std::string> takeInSightings(const std::vector<Sighting>& sightings);
+  [[nodiscard]] bool concernsPlan(const std::vector<std::string>& constants) const;
+  [[nodiscard]] std::optional<Noticed> noticedOf(const std::string& fluent,
+                                                 const refinement::Distribution& values);
+  /// The task's assessment, with what was noticed by the way.
+  [[nodiscard]] Assessment assessed();
+  /// What was observed, as literals of the high level.
+  [[nodiscard]] std::vector<std::string> literalsSeen(
+      const std::map<std::string, std::string>& observed) const;
+  /// Those that did not hold when the task began and are none of its effects.
+  [[nodiscard]] std::vector<std::string> changesAmong(
+      const std::vector<std::string>& seen, const std::vector<std::string>& effects) const;
   /// Asks for the policy of the task at its present belief.
   SolvedPolicy solvePolicy(const std::string& action);
   Event performRecords(const std::vector<reasoner::Record>& records);
   Event performDiagnosis();
   Event performReopen();
+  /// Indices into the history; none when no record is doubtful.
+  [[nodiscard]] std::vector<std::size_t> recordsToGiveUp();
   void apply(const Event& event);
   void report(EventKind kind, Narration narration);
   void publish();
@@ -93,6 +116,8 @@ private:
   Clock clock_;
   DriverConfig config_;
   RuleInterpreter high_level_laws_;
+
+  PlanCosts costs_;
 
   Knowledge knowledge_;
   State state_;

@@ -4,6 +4,9 @@
 #include <string>
 #include <vector>
 
+#include <kr3_pomdp/policy.hpp>
+
+#include "kr3_executive/history_window.hpp"
 #include "kr3_executive/interfaces.hpp"
 #include "kr3_executive/policy_cache.hpp"
 
@@ -23,11 +26,15 @@ public:
   bool possible(const std::string& literal, int step) override;
   std::vector<std::string> entailedAt(int step) override;
   reasoner::Explanation explain(const std::string& literal, int step) override;
+  std::vector<reasoner::Retraction> retractions(const std::string& literal, int step) override;
   reasoner::PlanResult plan(const std::string& goal, const std::atomic<bool>& cancel) override;
 
 private:
+  void progressIfDue();
+
   reasoner::Reasoner reasoner_;
   reasoner::PlanOptions options_;
+  HistoryWindow window_;
 };
 
 /// The solver as a library, with policies cached by the content of their models. Thread-safe.

@@ -36,6 +36,11 @@ public:
   /// Entailed literals in the language, such as "loc(rob1) = office".
   [[nodiscard]] virtual std::vector<std::string> entailedAt(int step) = 0;
   [[nodiscard]] virtual reasoner::Explanation explain(const std::string& literal, int step) = 0;
+  /// Doubtful records to give up, most doubtful first: so that the literal is possible, or with an
+  /// empty one so that the history is consistent. None when it is, or when no doubtful record
+  /// helps.
+  [[nodiscard]] virtual std::vector<reasoner::Retraction> retractions(const std::string& literal,
+                                                                      int step) = 0;
   /// @param cancel  may be set from another thread; the call then throws Cancelled
   [[nodiscard]] virtual reasoner::PlanResult plan(const std::string& goal,
                                                   const std::atomic<bool>& cancel) = 0;

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +9,7 @@
 #include <kr3_refinement/pomdp_task.hpp>
 
 #include "kr3_executive/interfaces.hpp"
+#include "kr3_executive/low_level_memory.hpp"
 #include "kr3_executive/mission.hpp"
 
 namespace kr3::executive
@@ -21,39 +22,9 @@ struct ObservedFluent
   std::string value;   ///< of `observes f = v`: v; empty for `observes f`
 };
 
-/// A ground low-level fluent as the high level names it: `opened(cover_2)` is `opened(box)`.
-[[nodiscard]] std::string coarseFluent(const refinement::LowLevelDomain& domain,
-                                       const std::string& fluent);
-
 /// The observation laws of a ground low-level action, in the order of the description.
 [[nodiscard]] std::vector<ObservedFluent> observedFluents(const reasoner::Description& low_level,
                                                           const LowLevelAction& action);
-
-/// What the low level last believed about a fluent.
-struct RememberedFluent
-{
-  refinement::Distribution values;  ///< over low-level values and refinement::kElsewhere
-  std::string assumed;              ///< the high-level value on which it rested
-};
-/// The low level's memory between high-level actions, by ground fluent.
-using LowLevelMemory = std::map<std::string, RememberedFluent>;
-
-/// How sure the high level is of a literal, and why.
-struct Support
-{
-  double probability = 1.0;  ///< 1: held for certain
-  std::string reason;        ///< for people: "default d1(tb1)", "observed", "assumed"
-};
-using SupportOf = std::function<Support(const std::string& literal)>;
-
-/// Line 10: the initial belief for a zoom.
-///
-/// What the low level remembers wins while it rests on the value that the high level holds now, or
-/// puts most of its mass there; otherwise the high level's support counts, spread over the
-/// components.
-[[nodiscard]] refinement::InitialKnowledge initialKnowledge(
-    const refinement::LowLevelDomain& domain, const refinement::Zoom& zoom,
-    const LowLevelMemory& memory, const SupportOf& support);
 
 /// One high-level action under execution: its POMDP, its belief, and what both mean.
 class LowLevelTask
@@ -69,18 +40,44 @@ public:
   [[nodiscard]] LowLevelAction action(std::size_t index) const;
   [[nodiscard]] bool isFinish(std::size_t action) const { return action == pomdp_.finishAction(); }
 
-  /// Line 14: the exact belief update.
+  /// Line 14: the belief update, exact when the confidence is 1. With confidence c the observation
+  /// is as the model says with probability c, and otherwise any one that the action can give, all
+  /// equally likely: O'(o | a, s) = c O(o | a, s) + (1 - c) / m.
+  ///
   /// @param observation  as LowLevelResult
-  /// @return false when the observation is impossible at the belief or lies outside the zoom; the
-  ///         belief then stays as it was
-  /// @throws InvalidArgument  a value that is neither in the model nor a component
-  [[nodiscard]] bool update(std::size_t action, const std::vector<std::string>& observation);
+  /// @param confidence   of the observation, (0, 1]
+  /// @return false when the observation is impossible at the belief, however doubtful it is, or
+  ///         lies outside the zoom; the belief then stays as it was
+  /// @throws InvalidArgument  another number of observations than the action's laws, or a
+  ///                          confidence out of range
+  [[nodiscard]] bool update(std::size_t action, const std::vector<std::string>& observation,
+                            double confidence = 1.0);
+
+  /// Takes in what was noticed by the way, by Bayes' rule: into the belief where the zoom has the
+  /// fluent, and into what was noticed of it since the action began.
+  void notice(const SightingLikelihood& sighting);
+
+  /// What sightings alone say about each fluent that was noticed, over low-level values.
+  [[nodiscard]] const std::map<std::string, refinement::Distribution>& noticed() const
+  {
+    return noticed_;
+  }
 
   /// Values that were observed without doubt or left the zoom, by fluent: the latest of each.
   [[nodiscard]] const std::map<std::string, std::string>& observed() const { return observed_; }
+  /// Those that the last action observed.
+  [[nodiscard]] const std::map<std::string, std::string>& observedLast() const
+  {
+    return observed_last_;
+  }
 
-  /// What the belief says about the high-level action; `changed` and `happened` are left empty.
+  /// What the belief says about the high-level action; `changed`, `happened` and `noticed` are left
+  /// empty.
   [[nodiscard]] Assessment assess() const;
+
+  /// Belief in a value of a high-level fluent; nothing when the zoom does not have it.
+  [[nodiscard]] std::optional<double> beliefIn(const std::string& coarse_fluent,
+                                               const std::string& value) const;
 
   /// Adds what this task believes to the memory.
   void remember(LowLevelMemory& memory) const;
@@ -88,6 +85,9 @@ public:
 private:
   [[nodiscard]] std::size_t observationIndex(std::size_t action,
                                              const std::vector<std::string>& observation) const;
+  [[nodiscard]] refinement::Distribution rememberedValues(const std::string& fluent,
+                                                          const refinement::Distribution& inside,
+                                                          const LowLevelMemory& memory) const;
 
   const refinement::LowLevelDomain& domain_;
   refinement::PomdpTask pomdp_;
@@ -96,6 +96,8 @@ private:
   bool remembered_ = false;
   bool attempted_ = false;
   std::map<std::string, std::string> observed_;
+  std::map<std::string, std::string> observed_last_;
+  std::map<std::string, refinement::Distribution> noticed_;
 };
 
 }  // namespace kr3::executive

@@ -58,6 +58,14 @@ struct Refutation
   double probability = 0.0;  ///< that it does not hold
 };
 
+/// A high-level literal that was noticed by the way and is believed above the threshold.
+struct Noticed
+{
+  std::string literal;      ///< "loc(tb1) = kitchen", "-in_hand(rob1, tb1)"
+  double confidence = 0.0;  ///< by the sightings since the action began
+  bool overturns = false;   ///< the plan rests on something else: the action ends
+};
+
 /// What the low level believes about the high-level action under execution.
 struct Assessment
 {
@@ -66,8 +74,14 @@ struct Assessment
   std::vector<Refutation> refutations;  ///< for each assumption that the belief can refute
   bool remembered = false;  ///< the initial belief rested on earlier low-level observations
   bool attempted = false;   ///< the physical action itself was executed
-  std::vector<std::string> changed;     ///< observed literals that neither hold before nor after
+  std::vector<std::string> changed;  ///< observed literals that neither hold before nor after
+  /// Literals about the effects' fluents that were observed without doubt, the effects or not.
+  std::vector<std::string> seen;
   std::optional<std::string> happened;  ///< high-level action that `changed` shows to have occurred
+  std::vector<Noticed> noticed;         ///< by sightings, beside what the action is about
+  /// A sighting contradicts what the belief takes for certain and nothing observes, such as that
+  /// what was picked up is still held: `achieved` counts no more.
+  bool denied = false;
 };
 
 // ---- Events -----------------------------------------------------------------------------------
@@ -108,6 +122,7 @@ struct PolicyFinished
 struct TaskLost
 {
   std::string reason;
+  Assessment assessment = {};  ///< before it
 };
 /// The plan's next action is impossible in what is known now, or changes nothing.
 struct ActionImpossible
@@ -186,7 +201,7 @@ enum class ActionResult : std::uint8_t
   kNone,
   kAchieved,
   kRefuted,
-  kDisplaced,   ///< the world changed in another way than intended
+  kDisplaced,   ///< the world is or changed otherwise than the plan assumes
   kUnresolved,  ///< the belief settles nothing
 };
 
@@ -208,6 +223,7 @@ struct State
   std::map<std::string, std::uint32_t> failures;  ///< of an action under a hypothesis
   ActionResult last_result = ActionResult::kNone;
   Assessment assessment;          ///< of the current high-level action
+  bool replan = false;            ///< what was learned may make another plan better
   bool cancelling = false;        ///< finish once the records are in
   std::optional<Finish> outcome;  ///< set in kFinished
 
@@ -225,10 +241,13 @@ struct Transition
 /// state. Each mission ends in exactly one Finish.
 [[nodiscard]] Transition step(const State& state, const Event& event);
 
+/// Source of the records of what was noticed by the way.
+inline constexpr char kSightingSource[] = "sighting";
+
 /// The records that line 16 adds when an action ends with this result.
+/// @param least  belief that refutes an assumption, in [0.5, 1)
 [[nodiscard]] std::vector<reasoner::Record> recordsOf(const std::string& action, int step,
                                                       ActionResult result,
-                                                      const Assessment& assessment,
-                                                      double threshold);
+                                                      const Assessment& assessment, double least);
 
 }  // namespace kr3::executive

@@ -24,10 +24,14 @@ struct DriverConfig
   SolveBudget budget;
   /// Belief that an object is where only a default puts it, in (0, 1).
   double default_probability = 0.85;
-  /// A hypothesis among k has probability 1/k, but at least this. With less a policy would rather
-  /// give up than look, or would pass the threshold with parts of the place never looked at, the
-  /// same ones each time. In (0, 1).
-  double least_hypothesis_probability = 0.6;
+  /// Belief in a value that is only assumed, when the low level begins to look: at least this, and
+  /// 1/k among k hypotheses if that is more. With even odds the posterior odds are what the looks
+  /// alone say (their Bayes factor), so that the records of several places can be compared. The
+  /// share 1/k enters where plans are compared. In (0, 1).
+  double least_hypothesis_probability = 0.5;
+  /// Probability that an exogenous action has changed a value which was known before the robot
+  /// looks again, where the description has one that could. In [0, 1).
+  double change_probability = 0.05;
   /// A low-level action that could not be executed is tried again this often.
   std::uint32_t max_skill_retries = 2;
   /// Whether snapshots explain what is entailed about the goal's objects; costs some questions.

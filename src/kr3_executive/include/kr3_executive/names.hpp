@@ -6,6 +6,7 @@ namespace kr3::executive::names
 {
 
 inline constexpr char kAchieve[] = "executive/achieve";
+inline constexpr char kCancel[] = "executive/cancel";
 inline constexpr char kTell[] = "executive/tell";
 inline constexpr char kState[] = "executive/state";
 inline constexpr char kEvents[] = "executive/events";
@@ -20,6 +21,8 @@ inline constexpr char kEntails[] = "reasoner/entails";
 inline constexpr char kExplain[] = "reasoner/explain";
 inline constexpr char kDiagnose[] = "reasoner/diagnose";
 inline constexpr char kGetState[] = "reasoner/get_state";
+inline constexpr char kFindRetractions[] = "reasoner/find_retractions";
+inline constexpr char kProgress[] = "reasoner/progress_history";
 inline constexpr char kPlan[] = "reasoner/plan";
 inline constexpr char kSolve[] = "pomdp/solve";
 inline constexpr char kGetAction[] = "pomdp/get_action";

@@ -109,8 +109,10 @@ public:
   [[nodiscard]] Narration highLevelAction(const std::string& action, int step) const;
   [[nodiscard]] Narration policy(const std::string& action, const SolvedPolicy& policy,
                                  const refinement::PomdpTask& task) const;
+  /// @param ignored  what was wrong with sightings that were left out
   [[nodiscard]] Narration lowLevelAction(const LowLevelAction& action, const LowLevelResult& result,
-                                         const LowLevelTask& task) const;
+                                         const LowLevelTask& task,
+                                         const std::vector<std::string>& ignored) const;
   [[nodiscard]] Narration record(const reasoner::Record& record, bool unexpected) const;
   [[nodiscard]] Narration replan(const std::string& why) const;
   [[nodiscard]] Narration end(const Finish& finish, const State& state) const;

@@ -9,8 +9,10 @@
 #include <kr3_msgs/Diagnose.h>
 #include <kr3_msgs/Entails.h>
 #include <kr3_msgs/ExplainLiteral.h>
+#include <kr3_msgs/FindRetractions.h>
 #include <kr3_msgs/GetPolicyAction.h>
 #include <kr3_msgs/GetState.h>
+#include <kr3_msgs/ProgressHistory.h>
 #include <kr3_msgs/SetHistory.h>
 #include <kr3_pomdp/pomdp_format.hpp>
 
@@ -55,6 +57,8 @@ RosReasoner::RosReasoner(ros::NodeHandle nh, const reasoner::PlanOptions& option
   , explain_(nh.serviceClient<kr3_msgs::ExplainLiteral>(names::kExplain))
   , diagnose_(nh.serviceClient<kr3_msgs::Diagnose>(names::kDiagnose))
   , get_state_(nh.serviceClient<kr3_msgs::GetState>(names::kGetState))
+  , find_retractions_(nh.serviceClient<kr3_msgs::FindRetractions>(names::kFindRetractions))
+  , progress_(nh.serviceClient<kr3_msgs::ProgressHistory>(names::kProgress))
   , plan_(nh, names::kPlan)
 {
 }
@@ -62,7 +66,8 @@ RosReasoner::RosReasoner(ros::NodeHandle nh, const reasoner::PlanOptions& option
 std::vector<std::string> RosReasoner::missing()
 {
   std::vector<std::string> missing;
-  for (auto* client : {&set_history_, &add_records_, &entails_, &explain_, &diagnose_, &get_state_})
+  for (auto* client : {&set_history_, &add_records_, &entails_, &explain_, &diagnose_, &get_state_,
+                       &find_retractions_, &progress_})
     noteMissing(*client, missing);
   if (!plan_.connected())
     missing.push_back("action " + plan_.name());
@@ -74,16 +79,36 @@ void RosReasoner::setHistory(const std::vector<reasoner::Record>& records)
   kr3_msgs::SetHistory service;
   service.request.records = toMsg(records);
   callService(set_history_, service);
-  history_ = records;
+  window_.reset(records);
+  progressIfDue();
+}
+
+void RosReasoner::progressIfDue()
+{
+  const auto step = window_.due();
+  if (!step)
+    return;
+  kr3_msgs::ProgressHistory service;
+  service.request.step = static_cast<std::uint32_t>(*step);
+  try
+  {
+    callService(progress_, service);
+    window_.beginsAt(static_cast<int>(service.response.first_step));
+  }
+  catch (const FailedPrecondition&)  // it is inconsistent: that has to be mended first
+  {
+  }
 }
 
 void RosReasoner::addRecords(const std::vector<reasoner::Record>& records)
 {
   kr3_msgs::AddRecords service;
-  service.request.expected_num_records = static_cast<std::uint32_t>(history_.size());
+  service.request.expected_num_records = static_cast<std::uint32_t>(window_.all().size());
   service.request.records = toMsg(records);
   callService(add_records_, service);
-  history_.insert(history_.end(), records.begin(), records.end());
+  window_.add(records);
+  if (!records.empty())
+    progressIfDue();
 }
 
 void RosReasoner::synchronise()
@@ -95,7 +120,7 @@ void RosReasoner::synchronise()
   catch (const FailedPrecondition&)
   {
     ROS_WARN("the reasoner holds another history; telling it again");
-    setHistory(std::vector<reasoner::Record>(history_));
+    setHistory(std::vector<reasoner::Record>(window_.all()));
   }
 }
 
@@ -174,6 +199,22 @@ reasoner::Explanation RosReasoner::explain(const std::string& literal, int step)
   return explanation;
 }
 
+std::vector<reasoner::Retraction> RosReasoner::retractions(const std::string& literal, int step)
+{
+  synchronise();
+  kr3_msgs::FindRetractions service;
+  service.request.literal = literal;
+  service.request.step = static_cast<std::uint32_t>(step);
+  callService(find_retractions_, service);
+  std::vector<reasoner::Retraction> retractions;
+  for (const auto& message : service.response.retractions)
+  {
+    retractions.push_back({window_.amongAll({message.records.begin(), message.records.end()}),
+                           message.log_odds, message.opens, message.in_words});
+  }
+  return retractions;
+}
+
 reasoner::PlanResult RosReasoner::plan(const std::string& goal, const std::atomic<bool>& cancel)
 {
   synchronise();
@@ -233,7 +274,13 @@ std::size_t RosPolicyServer::actionAt(const std::string& policy_id, const pomdp:
 {
   kr3_msgs::GetPolicyAction service;
   service.request.policy_id = policy_id;
-  service.request.belief = belief.probabilities();
+  for (std::size_t state = 0; state < belief.size(); ++state)
+  {
+    if (belief[state] == 0.0)
+      continue;
+    service.request.states.push_back(static_cast<std::uint32_t>(state));
+    service.request.belief.push_back(belief[state]);
+  }
   callService(get_action_, service);
   return service.response.action_index;
 }

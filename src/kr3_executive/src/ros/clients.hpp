@@ -14,6 +14,7 @@
 
 #include "action_peer.hpp"
 #include "kr3_executive/bindings.hpp"
+#include "kr3_executive/history_window.hpp"
 #include "kr3_executive/interfaces.hpp"
 #include "sensor_watches.hpp"
 
@@ -37,6 +38,7 @@ public:
   bool possible(const std::string& literal, int step) override;
   std::vector<std::string> entailedAt(int step) override;
   reasoner::Explanation explain(const std::string& literal, int step) override;
+  std::vector<reasoner::Retraction> retractions(const std::string& literal, int step) override;
   reasoner::PlanResult plan(const std::string& goal, const std::atomic<bool>& cancel) override;
 
 private:
@@ -44,13 +46,18 @@ private:
   void synchronise();
 
   reasoner::PlanOptions options_;
-  std::vector<reasoner::Record> history_;
+  /// The history, of which the node has the later part.
+  void progressIfDue();
+
+  HistoryWindow window_;
   ros::ServiceClient set_history_;
   ros::ServiceClient add_records_;
   ros::ServiceClient entails_;
   ros::ServiceClient explain_;
   ros::ServiceClient diagnose_;
   ros::ServiceClient get_state_;
+  ros::ServiceClient find_retractions_;
+  ros::ServiceClient progress_;
   ActionPeer<kr3_msgs::MakePlanAction> plan_;
 };
 

@@ -1,6 +1,7 @@
 #include "executive_node.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <fstream>
 #include <sstream>
@@ -23,6 +24,7 @@ namespace
 
 /// A mission has some hundred inputs and decisions; none may be lost.
 constexpr std::uint32_t kInputQueue = 10000;
+constexpr double kLeastTimeLeft_s = 1e-3;  // 0 would mean no limit
 
 std::string listedLines(const std::vector<std::string>& items)
 {
@@ -121,6 +123,9 @@ ExecutiveNodeConfig loadExecutiveNodeConfig(const ros::NodeHandle& private_nh)
   double& least = config.driver.least_hypothesis_probability;
   least = params.get("least_hypothesis_probability", least);
   params.check(least > 0.0 && least < 1.0, "least_hypothesis_probability", "must be in (0, 1)");
+  double& change = config.driver.change_probability;
+  change = params.get("change_probability", change);
+  params.check(change >= 0.0 && change < 1.0, "change_probability", "must be in [0, 1)");
 
   SolveBudget& budget = config.driver.budget;
   budget.precision = params.get("precision", budget.precision);
@@ -190,16 +195,21 @@ ExecutiveNode::ExecutiveNode(ros::NodeHandle nh, const ros::NodeHandle& private_
       nh, names::kAchieve, [this](const kr3_msgs::AchieveGoalConstPtr& goal) { onAchieve(goal); },
       false);
   achieve_->registerPreemptCallback([this] { driver_->cancel(); });
+  cancel_ = nh.advertiseService(names::kCancel, &ExecutiveNode::onCancel, this);
   achieve_->start();
   ROS_INFO("ready: %zu cells, %zu records in the history", domain_->map().size(),
            driver_->knowledge().history.size());
+  resumeMission();
 }
 
 ExecutiveNode::~ExecutiveNode()
 {
-  // Ends a mission under way: its skill is cancelled, so that the robot stands.
+  // Ends a mission under way: its skill is cancelled, so that the robot stands. It stays in the
+  // state file.
+  stopping_ = true;
   if (driver_)
     driver_->cancel();
+  endResumedMission();
   if (achieve_)
     achieve_->shutdown();
 }
@@ -233,18 +243,20 @@ void ExecutiveNode::restoreKnowledge()
     ROS_INFO("picked up %zu records from %s", driver_->knowledge().history.size(),
              config_.state_file.c_str());
   }
+  under_way_ = readMissionUnderWay(config_.state_file);
+  mission_start_s_ = ros::Time::now().toSec();
 }
 
 void ExecutiveNode::onAchieve(const kr3_msgs::AchieveGoalConstPtr& goal)
 {
   kr3_msgs::AchieveResult result;
+  endResumedMission();  // a new goal takes its place
   try
   {
-    Limits limits = config_.driver.limits;
-    if (goal->max_hl_actions > 0)
-      limits.max_hl_actions = goal->max_hl_actions;
-    const MissionResult mission =
-        driver_->achieve(goal->goal, scenario_.initial_records, limits, goal->time_limit.toSec());
+    const MissionResult mission = runMission(
+        {goal->goal,
+         goal->max_hl_actions > 0 ? goal->max_hl_actions : config_.driver.limits.max_hl_actions,
+         goal->time_limit.toSec()});
     result.status = makeStatus(mission.code, mission.code == ErrorCode::kOk ? "" : mission.reason);
     result.achieved = mission.achieved;
     result.reason = mission.reason;
@@ -266,6 +278,76 @@ void ExecutiveNode::onAchieve(const kr3_msgs::AchieveGoalConstPtr& goal)
     logFailure("achieve '" + goal->goal + "'", result.status);
     achieve_->setAborted(result);
   }
+}
+
+MissionResult ExecutiveNode::runMission(const MissionUnderWay& mission)
+{
+  Limits limits = config_.driver.limits;
+  limits.max_hl_actions = mission.max_hl_actions;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    under_way_ = mission;
+    mission_start_s_ = ros::Time::now().toSec();
+  }
+  const auto over = [this] {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      under_way_.reset();
+    }
+    save();
+  };
+  try
+  {
+    const MissionResult result =
+        driver_->achieve(mission.goal, scenario_.initial_records, limits, mission.time_left_s);
+    const bool cut_off = stopping_ || (result.code == ErrorCode::kUnavailable && !ros::ok());
+    if (!cut_off)
+      over();
+    return result;
+  }
+  catch (const InvalidArgument&)
+  {
+    over();
+    throw;
+  }
+}
+
+void ExecutiveNode::resumeMission()
+{
+  const std::optional<MissionUnderWay> mission = under_way_;  // no mission runs yet
+  if (!mission)
+    return;
+  ROS_INFO("going on with '%s'", mission->goal.c_str());
+  resumed_ = std::async(std::launch::async, [this, mission] {
+    try
+    {
+      const MissionResult result = runMission(*mission);
+      ROS_INFO("'%s' ended: %s", mission->goal.c_str(), result.reason.c_str());
+    }
+    catch (const std::exception& e)
+    {
+      ROS_ERROR("'%s' cannot be taken up again: %s", mission->goal.c_str(), e.what());
+    }
+  });
+}
+
+void ExecutiveNode::endResumedMission()
+{
+  while (resumed_.valid() &&
+         resumed_.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready)
+    driver_->cancel();  // again, as it may not have begun
+}
+
+bool ExecutiveNode::onCancel(std_srvs::Trigger::Request& /*request*/,
+                             std_srvs::Trigger::Response& response)
+{
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    response.success = static_cast<unsigned char>(under_way_.has_value());
+  }
+  driver_->cancel();
+  response.message = response.success != 0 ? "the mission ends" : "no mission is under way";
+  return true;
 }
 
 bool ExecutiveNode::onTell(kr3_msgs::Tell::Request& request, kr3_msgs::Tell::Response& response)
@@ -313,11 +395,31 @@ void ExecutiveNode::onSnapshot(const Snapshot& snapshot)
     const std::lock_guard<std::mutex> lock(mutex_);
     snapshot_ = snapshot;
   }
+  save();
+}
+
+void ExecutiveNode::save()
+{
   if (config_.state_file.empty() || !driver_)
     return;
+  std::optional<MissionUnderWay> mission;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    mission = under_way_;
+    if (mission)
+    {
+      const std::uint32_t done = snapshot_.state.hl_actions_done;
+      mission->max_hl_actions = mission->max_hl_actions > done ? mission->max_hl_actions - done : 1;
+      if (mission->time_left_s > 0.0)
+      {
+        const double elapsed_s = ros::Time::now().toSec() - mission_start_s_;
+        mission->time_left_s = std::max(kLeastTimeLeft_s, mission->time_left_s - elapsed_s);
+      }
+    }
+  }
   try
   {
-    writeKnowledge(config_.state_file, driver_->knowledge());
+    writeKnowledge(config_.state_file, driver_->knowledge(), mission);
   }
   catch (const Error& e)
   {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -10,12 +12,14 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
+#include <std_srvs/Trigger.h>
 
 #include <kr3_msgs/AchieveAction.h>
 #include <kr3_msgs/Tell.h>
 
 #include "clients.hpp"
 #include "kr3_executive/driver.hpp"
+#include "kr3_executive/knowledge_file.hpp"
 #include "kr3_executive/method.hpp"
 #include "kr3_executive/mission_recording.hpp"
 #include "kr3_executive/scenario.hpp"
@@ -44,7 +48,11 @@ struct ExecutiveNodeConfig
 
 /// Runs missions on a robot.
 ///
-/// Missions run in the action server's own thread; everything else in the node's spinner.
+/// Missions run in the action server's own thread, one that was under way when the node ended in a
+/// thread of its own; everything else in the node's spinner.
+///
+/// A mission under way is kept in the state file with history and memory, and taken up again at the
+/// next start, unless it was cancelled or ended. A new goal takes its place.
 class ExecutiveNode : public MissionObserver
 {
 public:
@@ -72,6 +80,13 @@ private:
   void waitForPeers(const std::atomic<bool>& stop);
   void restoreKnowledge();
   void onAchieve(const kr3_msgs::AchieveGoalConstPtr& goal);
+  bool onCancel(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  /// Runs a mission, which is under way until this returns. @throws InvalidArgument
+  MissionResult runMission(const MissionUnderWay& mission);
+  void resumeMission();
+  /// Cancels the mission that was taken up and waits until the robot stands.
+  void endResumedMission();
+  void save();
   bool onTell(kr3_msgs::Tell::Request& request, kr3_msgs::Tell::Response& response);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
@@ -88,10 +103,15 @@ private:
   std::unique_ptr<HighLevelReasoner> own_reasoner_;
   std::unique_ptr<Mission> driver_;
 
-  std::mutex mutex_;  // guards the members down to `feedback_`
+  std::mutex mutex_;  // guards the members down to `mission_start_s_`
   Snapshot snapshot_;
   std::string belief_;
   kr3_msgs::AchieveFeedback feedback_;
+  std::optional<MissionUnderWay> under_way_;  // with what was left to it at its start
+  double mission_start_s_ = 0.0;
+
+  std::atomic<bool> stopping_{false};
+  std::future<void> resumed_;
 
   diagnostic_updater::Updater diagnostics_;
   ros::Publisher state_publisher_;
@@ -101,6 +121,7 @@ private:
   std::unique_ptr<MissionRecorder> recorder_;
   ros::WallTimer diagnostics_timer_;
   ros::ServiceServer tell_;
+  ros::ServiceServer cancel_;
   std::unique_ptr<AchieveServer> achieve_;
 };
 

@@ -1,0 +1,293 @@
+// The part of MissionDriver that plans (lines 3-6), and what it holds to be so.
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "kr3_executive/driver.hpp"
+#include "literal_text.hpp"
+
+namespace kr3::executive
+{
+namespace
+{
+
+/// Why a literal is believed that the history does not entail.
+const std::string kAssumed = "assumed";
+constexpr double kMostCertain = 0.999;
+
+/// Actions that occur together are executed one after the other.
+reasoner::Plan serialised(const reasoner::Plan& plan)
+{
+  reasoner::Plan flat{plan.hypothesis, {}};
+  for (const auto& together : plan.steps)
+  {
+    for (const auto& action : together)
+      flat.steps.push_back({action});
+  }
+  return flat;
+}
+
+/// Whether a record that a statement has a truth value settles that a literal holds.
+bool settles(const LiteralText& statement, bool value, const LiteralText& literal)
+{
+  if (statement.fluent() != literal.fluent() || !statement.equal || !literal.equal)
+    return false;
+  if (!literal.isBoolean())
+    return value && statement.value == literal.value;
+  return (statement.value == "true") == value ? literal.value == "true" : literal.value == "false";
+}
+
+/// The odds that a value holds although it was refuted, product of (1 - c) / c over its refutations
+/// of confidence c since the fluent was last observed to have some value; values without any are
+/// left out.
+std::map<std::string, double> refutationOdds(const std::vector<reasoner::Record>& history,
+                                             const std::string& fluent)
+{
+  std::map<std::string, double> odds;
+  for (const auto& record : history)
+  {
+    if (record.kind != reasoner::RecordKind::kObserved)
+      continue;
+    const LiteralText literal = takeApart(record.statement);
+    if (literal.fluent() != fluent || literal.isBoolean())
+      continue;
+    if (record.value && literal.equal)
+      odds.clear();
+    else if (!record.value && literal.equal)
+    {
+      const double factor = (1.0 - std::min(record.confidence, kMostCertain)) / record.confidence;
+      odds.emplace(literal.value, 1.0).first->second *= std::min(factor, 1.0);
+    }
+  }
+  return odds;
+}
+
+}  // namespace
+
+Event MissionDriver::performPlan()
+{
+  const reasoner::PlanResult result = reasoner_.plan(state_.goal, cancel_);
+  PlanReady event{result.goal_entailed, {}, result.reason};
+  if (!result.goal_entailed)
+  {
+    for (const auto& found : result.plans)
+      event.plans.push_back({serialised(found), 0.0});
+    if (event.plans.size() > 1)
+      costPlans(event.plans);
+  }
+  note(reported(event.plans));
+  return event;
+}
+
+void MissionDriver::costPlans(std::vector<CostedPlan>& plans)
+{
+  const std::vector<reasoner::Literal> known = believedState({});
+  const double threshold = state_.limits.threshold;
+  const double prior = config_.least_hypothesis_probability;
+  const auto cost = [&](const std::vector<WeightedPlan>& weighted) {
+    return costs_.expected(known, weighted, threshold, prior);
+  };
+  // Of the plans for one hypothesis the cheapest stands for all when hypotheses are compared.
+  std::map<std::vector<std::string>, std::size_t> cheapest;
+  std::vector<double> alone;
+  for (std::size_t i = 0; i < plans.size(); ++i)
+  {
+    alone.push_back(cost({{plans[i].plan, 1.0}}).front());
+    const auto known_one = cheapest.emplace(plans[i].plan.hypothesis, i).first;
+    if (alone[i] < alone[known_one->second])
+      known_one->second = i;
+  }
+  std::vector<std::vector<std::string>> hypotheses;
+  std::vector<WeightedPlan> weighted;
+  for (const auto& [hypothesis, index] : cheapest)
+  {
+    hypotheses.push_back(hypothesis);
+    weighted.push_back({plans[index].plan, 0.0});
+  }
+  const std::vector<double> probabilities = hypothesisProbabilities(hypotheses);
+  for (std::size_t i = 0; i < weighted.size(); ++i)
+    weighted[i].probability = probabilities[i];
+  const std::vector<double> costs = cost(weighted);
+  for (std::size_t i = 0; i < plans.size(); ++i)
+  {
+    const auto group = cheapest.find(plans[i].plan.hypothesis);
+    const auto at = static_cast<std::size_t>(std::distance(cheapest.begin(), group));
+    plans[i].cost_s = costs[at] + (alone[i] - alone[group->second]);
+  }
+}
+
+std::vector<double> MissionDriver::hypothesisProbabilities(
+    const std::vector<std::vector<std::string>>& hypotheses) const
+{
+  std::map<std::string, std::set<std::string>> open;  // values by fluent
+  for (const auto& hypothesis : hypotheses)
+  {
+    for (const auto& text : hypothesis)
+    {
+      const LiteralText literal = takeApart(text);
+      if (literal.equal && !literal.isBoolean())
+        open[literal.fluent()].insert(literal.value);
+    }
+  }
+  std::map<std::string, double> of_literal;
+  for (const auto& [fluent, values] : open)
+  {
+    // What was refuted may still be so, by a look that missed it or a change since: by the odds of
+    // its refutations. The others share the rest by what the low level remembers.
+    const std::map<std::string, double> odds = refutationOdds(knowledge_.history, fluent);
+    const double even = 1.0 / static_cast<double>(values.size());
+    std::vector<std::string> fresh;
+    for (const auto& value : values)
+    {
+      const auto refuted = odds.find(value);
+      if (refuted == odds.end())
+        fresh.push_back(value);
+      else
+        of_literal[fluent + " = " + value] = even * refuted->second;
+    }
+    if (fresh.empty())
+      continue;
+    const auto shares = probabilitiesOf(domain_, knowledge_.memory, fluent, fresh);
+    for (std::size_t i = 0; i < fresh.size(); ++i)
+      of_literal[fluent + " = " + fresh[i]] = even * static_cast<double>(fresh.size()) * shares[i];
+  }
+  std::vector<double> result;
+  double sum = 0.0;
+  for (const auto& hypothesis : hypotheses)
+  {
+    double probability = 1.0;
+    for (const auto& text : hypothesis)
+    {
+      const LiteralText literal = takeApart(text);
+      const auto known = of_literal.find(literal.fluent() + " = " + literal.value);
+      if (literal.equal && known != of_literal.end())
+        probability *= known->second;
+    }
+    result.push_back(probability);
+    sum += probability;
+  }
+  for (auto& probability : result)
+    probability = sum > 0.0 ? probability / sum : 1.0 / static_cast<double>(result.size());
+  return result;
+}
+
+std::vector<reasoner::Literal> MissionDriver::believedState(
+    const std::vector<std::string>& hypothesis)
+{
+  std::vector<reasoner::Literal> state;
+  std::vector<std::string> settled;
+  for (const auto& text : reasoner_.entailedAt(state_.step))
+  {
+    reasoner::Literal literal = reasoner::parseGroundLiteral(text, domain_.highLevel());
+    if (!literal.equal)
+      continue;
+    settled.push_back(reasoner::toString(literal.atom));
+    state.push_back(std::move(literal));
+  }
+  for (const auto& text : hypothesis)
+  {
+    reasoner::Literal literal = reasoner::parseGroundLiteral(text, domain_.highLevel());
+    if (std::find(settled.begin(), settled.end(), reasoner::toString(literal.atom)) ==
+        settled.end())
+      state.push_back(std::move(literal));
+  }
+  return state;
+}
+
+Support MissionDriver::supportOf(const std::string& literal)
+{
+  return supportOf(literal, state_.step);
+}
+
+Support MissionDriver::supportOf(const std::string& literal, int step)
+{
+  const auto known = supports_.find({literal, step});
+  if (known != supports_.end())
+    return known->second;
+  Support support = findSupport(literal, step);
+  supports_[{literal, step}] = support;
+  return support;
+}
+
+Support MissionDriver::findSupport(const std::string& literal, int step)
+{
+  if (reasoner_.entails(literal, step) != reasoner::Answer::kTrue)
+  {
+    // A hypothesis, one of those that are left.
+    const LiteralText parts = takeApart(literal);
+    const auto* fluent = domain_.highLevel().findFluent(parts.symbol);
+    std::size_t open = 0;
+    if (fluent != nullptr && fluent->value_sort)
+    {
+      for (const auto& value : domain_.highLevel().findSort(*fluent->value_sort)->elements)
+        open += reasoner_.possible(parts.fluent() + " = " + value, step) ? 1 : 0;
+    }
+    const double share = 1.0 / static_cast<double>(std::max<std::size_t>(open, 2));
+    return {std::max(share, config_.least_hypothesis_probability), kAssumed};
+  }
+  // What was observed last needs no search for reasons.
+  const LiteralText asked = takeApart(literal);
+  const reasoner::Record* seen = nullptr;
+  for (const auto& record : knowledge_.history)
+  {
+    const bool about = (record.kind == reasoner::RecordKind::kObserved ||
+                        record.kind == reasoner::RecordKind::kInitially) &&
+                       record.step <= step;
+    if (about && settles(takeApart(record.statement), record.value, asked))
+      seen = &record;
+  }
+  if (seen != nullptr)
+    return {seen->confidence, "observed at step " + std::to_string(seen->step)};
+
+  const reasoner::Explanation why = reasoner_.explain(literal, step);
+  const std::string by_default = narrator_.defaultIn(why);
+  if (!by_default.empty())
+  {
+    expected_by_default_[literal] = by_default;
+    return {config_.default_probability, "default " + by_default};
+  }
+  double probability = 1.0;
+  for (const auto& record : knowledge_.history)
+  {
+    const std::string text = reasoner::toString(record);
+    if (std::find(why.records.begin(), why.records.end(), text) != why.records.end())
+      probability *= record.confidence;
+  }
+  return {probability, why.reasons.empty() ? std::string() : why.reasons.back()};
+}
+
+bool MissionDriver::mayHaveChanged(const std::string& fluent) const
+{
+  FluentValues now;
+  for (const auto& literal : task_state_)
+    now[reasoner::toString(literal.atom)] = literal.value.name;
+  const auto before = now.find(fluent);
+  if (before == now.end())
+    return false;
+  const std::vector<std::string> arguments = takeApart(fluent).arguments;
+  const OutcomeChooser first{[](const auto&, const auto&) { return std::size_t{0}; },
+                             [](std::size_t) { return std::size_t{0}; }};
+  for (const auto& declaration : domain_.highLevel().actions)
+  {
+    if (!declaration.exogenous)
+      continue;
+    for (const auto& action : high_level_laws_.instances(declaration))
+    {
+      const bool about = std::all_of(arguments.begin(), arguments.end(), [&](const auto& name) {
+        return std::any_of(action.arguments.begin(), action.arguments.end(),
+                           [&](const auto& term) { return term.name == name; });
+      });
+      if (!about || !high_level_laws_.executable(now, action))
+        continue;
+      const FluentValues after = high_level_laws_.successor(now, action, first);
+      const auto changed = after.find(fluent);
+      if (changed != after.end() && changed->second != before->second)
+        return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace kr3::executive

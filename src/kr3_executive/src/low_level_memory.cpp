@@ -1,0 +1,226 @@
+#include "kr3_executive/low_level_memory.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include <kr3_common/error.hpp>
+
+#include "literal_text.hpp"
+
+namespace kr3::executive
+{
+namespace
+{
+
+using refinement::Distribution;
+using refinement::kElsewhere;
+
+constexpr double kCertain = 0.999;
+
+bool isBoolean(const std::string& value)
+{
+  return value == "true" || value == "false";
+}
+
+}  // namespace
+
+std::string coarseFluent(const refinement::LowLevelDomain& domain, const std::string& fluent)
+{
+  LiteralText parts = takeApart(fluent);
+  for (auto& argument : parts.arguments)
+    argument = domain.coarse(argument);
+  return parts.fluent();
+}
+
+refinement::InitialKnowledge initialKnowledge(const refinement::LowLevelDomain& domain,
+                                              const refinement::Zoom& zoom,
+                                              const LowLevelMemory& memory,
+                                              const SupportOf& support)
+{
+  refinement::InitialKnowledge knowledge;
+  std::map<std::string, std::string> start;  // high-level values by fluent
+  for (const auto& literal : zoom.start)
+  {
+    if (literal.equal)
+      start[reasoner::toString(literal.atom)] = literal.value.name;
+  }
+  std::set<std::string> settled;
+  for (const auto& [fluent, remembered] : memory)
+  {
+    if (domain.highLevel().findFluent(takeApart(fluent).symbol) == nullptr)
+    {
+      knowledge.fine[fluent] = remembered.values;  // the high level says nothing about it
+      continue;
+    }
+    const std::string whole = coarseFluent(domain, fluent);
+    const auto held = start.find(whole);
+    if (held == start.end() || held->second == "false")
+      continue;
+    double inside = 0.0;
+    for (const auto& component : domain.components(held->second))
+    {
+      const auto entry = remembered.values.find(component);
+      inside += entry == remembered.values.end() ? 0.0 : entry->second;
+    }
+    const bool of_a_part = whole != fluent;  // a part may differ from its whole
+    if (inside > 0.5 || of_a_part || (remembered.assumed == held->second && inside > 0.0))
+    {
+      knowledge.fine[fluent] = remembered.values;
+      settled.insert(whole);
+    }
+  }
+  for (const auto& [fluent, value] : start)
+  {
+    if (settled.count(fluent) != 0)
+      continue;
+    const bool boolean = isBoolean(value);
+    const std::string literal =
+        boolean ? (value == "true" ? fluent : "-" + fluent) : fluent + " = " + value;
+    const double probability = support(literal).probability;
+    if (probability >= kCertain)
+      continue;
+    knowledge.coarse[fluent] = {{value, probability}};
+    if (boolean)
+      knowledge.coarse[fluent][value == "true" ? "false" : "true"] = 1.0 - probability;
+  }
+  return knowledge;
+}
+
+SightingLikelihood::SightingLikelihood(const refinement::LowLevelDomain& domain,
+                                       const Sighting& sighting)
+{
+  const auto literal = reasoner::parseGroundLiteral(sighting.literal, domain.description());
+  const auto* declared = domain.description().findFluent(literal.atom.name);
+  if (declared == nullptr || declared->kind != reasoner::FluentKind::kInertial)
+  {
+    throw InvalidArgument("sighting '" + sighting.literal +
+                          "', expected a literal of an inertial fluent");
+  }
+  if (!(sighting.confidence > 0.0 && sighting.confidence <= 1.0))
+  {
+    throw InvalidArgument("sighting '" + sighting.literal + "' with confidence " +
+                          std::to_string(sighting.confidence) + ", expected (0, 1]");
+  }
+  fluent_ = reasoner::toString(literal.atom);
+  seen_ = literal.value.name;
+  values_ = declared->value_sort ? domain.description().findSort(*declared->value_sort)->elements
+                                 : std::vector<std::string>{"true", "false"};
+  // A belief of 1 could never be revised.
+  const double confidence = std::min(sighting.confidence, kCertain);
+  const auto others = static_cast<double>(std::max<std::size_t>(values_.size(), 2) - 1);
+  seen_likelihood_ = literal.equal ? confidence : 1.0 - confidence;
+  other_likelihood_ = literal.equal ? (1.0 - confidence) / others : confidence;
+}
+
+double SightingLikelihood::of(const std::string& value) const
+{
+  return value == seen_ ? seen_likelihood_ : other_likelihood_;
+}
+
+double SightingLikelihood::ofOthers(const std::vector<std::string>& listed) const
+{
+  double total = 0.0;
+  std::size_t count = 0;
+  for (const auto& value : values_)
+  {
+    if (std::find(listed.begin(), listed.end(), value) != listed.end())
+      continue;
+    total += of(value);
+    ++count;
+  }
+  return count == 0 ? other_likelihood_ : total / static_cast<double>(count);
+}
+
+Distribution SightingLikelihood::applied(const Distribution& prior) const
+{
+  Distribution posterior = prior;
+  const auto elsewhere = posterior.find(kElsewhere);
+  if (posterior.count(seen_) == 0 && elsewhere != posterior.end())
+  {
+    std::size_t unlisted = 0;
+    for (const auto& value : values_)
+      unlisted += posterior.count(value) == 0 ? 1 : 0;
+    const double share =
+        elsewhere->second / static_cast<double>(std::max<std::size_t>(unlisted, 1));
+    elsewhere->second -= share;
+    posterior[seen_] = share;
+  }
+  double sum = 0.0;
+  for (auto& [value, probability] : posterior)
+  {
+    probability *= value == kElsewhere ? other_likelihood_ : of(value);
+    sum += probability;
+  }
+  if (!(sum > 0.0))  // all mass was on values that it excludes: what was seen last counts
+    return {{seen_, seen_likelihood_}, {kElsewhere, 1.0 - seen_likelihood_}};
+  for (auto& entry : posterior)
+    entry.second /= sum;
+  return posterior;
+}
+
+Distribution unknownValue()
+{
+  return {{kElsewhere, 1.0}};
+}
+
+std::vector<double> probabilitiesOf(const refinement::LowLevelDomain& domain,
+                                    const LowLevelMemory& memory, const std::string& fluent,
+                                    const std::vector<std::string>& values)
+{
+  std::vector<double> result(values.size(), 1.0 / static_cast<double>(values.size()));
+  const auto found = memory.find(fluent);
+  if (found == memory.end())
+    return result;
+  const Distribution& known = found->second.values;
+  const auto massOf = [&known](const std::string& value) {
+    const auto entry = known.find(value);
+    return entry == known.end() ? 0.0 : entry->second;
+  };
+  std::vector<bool> listed(values.size(), false);
+  std::size_t unlisted = 0;
+  for (std::size_t i = 0; i < values.size(); ++i)
+  {
+    result[i] = 0.0;
+    for (const auto& component : domain.components(values[i]))
+    {
+      listed[i] = listed[i] || known.count(component) != 0;
+      result[i] += massOf(component);
+    }
+    unlisted += listed[i] ? 0 : 1;
+  }
+  double sum = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i)
+  {
+    if (!listed[i])
+      result[i] = massOf(kElsewhere) / static_cast<double>(unlisted);
+    sum += result[i];
+  }
+  for (auto& probability : result)
+    probability = sum > 0.0 ? probability / sum : 1.0 / static_cast<double>(values.size());
+  return result;
+}
+
+void forget(const refinement::LowLevelDomain& domain, LowLevelMemory& memory,
+            const std::string& fluent, const std::string& value)
+{
+  const auto found = memory.find(fluent);
+  if (found == memory.end())
+    return;
+  double kept = 0.0;
+  for (const auto& component : domain.components(value))
+    found->second.values.erase(component);
+  for (const auto& entry : found->second.values)
+    kept += entry.second;
+  if (!(kept > 0.0))
+  {
+    memory.erase(found);
+    return;
+  }
+  for (auto& entry : found->second.values)
+    entry.second /= kept;
+  if (found->second.assumed == value)
+    found->second.assumed.clear();
+}
+
+}  // namespace kr3::executive
