@@ -281,6 +281,12 @@ class ExecutiveNodeTest(unittest.TestCase):
         self.assertEqual(len(self.state().history), records)
 
     def test_6_ab_a_mission_under_way_goes_on_after_a_crash(self):
+        self.robot.book = "aux_library_c0"  # somebody moved it, and says so
+        tell = rospy.ServiceProxy("executive/tell", Tell)
+        tell.wait_for_service(timeout=10)
+        reply = tell("loc(tb1) = aux_library", True, 0.9)
+        self.assertEqual(reply.status.code, Status.OK, reply.status.message)
+        self.addCleanup(self.robot.hold_search.set)
         self.robot.hold_search.clear()
         self.robot.searching.clear()
         self.client.send_goal(AchieveGoal(goal="loc(tb1) = office and not in_hand(rob1, tb1)"))
