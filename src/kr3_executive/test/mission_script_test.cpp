@@ -64,6 +64,35 @@ TEST_P(ScenarioTest, EndsAsExpected)
 INSTANTIATE_TEST_SUITE_P(Files, ScenarioTest, testing::ValuesIn(scenarioFiles()),
                          [](const auto& file) { return file.param; });
 
+TEST(Scenarios, CoverEveryRecoveryInTwoDomains)
+{
+  std::map<std::string, std::set<std::string>> covered;  // recoveries by domain
+  for (const auto& name : scenarioFiles())
+  {
+    const std::string path = kScenarios + "/" + name + ".yaml";
+    const ScriptHeader header = readScriptHeader(path);
+    covered[header.domain].insert(
+        readScript(path, runner().missionsOf(path, header).domain()).recovery);
+  }
+  const std::vector<std::string> everywhere{"object not there",
+                                            "object elsewhere seen by chance",
+                                            "failed grasp",
+                                            "false negative in the right room",
+                                            "wrong statement by a person",
+                                            "person moved the object",
+                                            "target room unreachable",
+                                            "contradictory observations",
+                                            "false positive at the wrong cell"};
+  for (const auto& recovery : everywhere)
+  {
+    EXPECT_EQ(covered["office"].count(recovery), 1U) << recovery;
+    EXPECT_EQ(covered["workbench"].count(recovery), 1U) << recovery;
+  }
+  for (const char* of_places :
+       {"object dropped on the way", "robot not where it thought", "blocked door"})
+    EXPECT_EQ(covered["office"].count(of_places), 1U) << of_places;
+}
+
 TEST(MatchesPattern, TakesAStarForAnyCharacters)
 {
   EXPECT_TRUE(matchesPattern("search(rob1, c1, tb1)", "search(*, c1, *)"));
