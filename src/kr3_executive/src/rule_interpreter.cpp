@@ -127,6 +127,47 @@ RuleInterpreter::RuleInterpreter(const Description& description) : description_(
   }
   has_defined_ = std::any_of(description_.fluents.begin(), description_.fluents.end(),
                              [](const auto& f) { return f.kind == FluentKind::kDefined; });
+  used_defined_ = definedInUse();
+}
+
+std::set<std::string> RuleInterpreter::definedInUse() const
+{
+  std::set<std::string> used;
+  const auto use = [&](const reasoner::Body& body) {
+    bool more = false;
+    for (const auto& condition : body)
+    {
+      const auto* literal = std::get_if<Literal>(&condition);
+      const auto* fluent =
+          literal != nullptr ? description_.findFluent(literal->atom.name) : nullptr;
+      if (fluent != nullptr && fluent->kind == FluentKind::kDefined)
+        more = used.insert(fluent->name).second || more;
+    }
+    return more;
+  };
+  for (const auto& law : description_.executabilities)
+    use(law.body);
+  for (const auto& law : description_.causal_laws)
+  {
+    use(law.body);
+    for (const auto& outcome : law.outcomes)
+    {
+      for (const auto& effect : outcome.effects)
+        use(effect.choice);
+    }
+  }
+  for (bool changed = true; changed;)
+  {
+    changed = false;
+    for (const auto& law : description_.constraints)
+    {
+      const auto* head = law.head ? description_.findFluent(law.head->atom.name) : nullptr;
+      const bool defines = head != nullptr && head->kind == FluentKind::kDefined;
+      if (!defines || used.count(head->name) != 0)
+        changed = use(law.body) || changed;
+    }
+  }
+  return used;
 }
 
 std::string RuleInterpreter::valueOf(const FluentValues& state, const std::string& symbol,
@@ -280,9 +321,9 @@ bool RuleInterpreter::forEach(const FluentValues& state, const reasoner::Body& b
   return match(state, body, done, copy, visit);
 }
 
-FluentValues RuleInterpreter::withDefined(const FluentValues& state) const
+FluentValues RuleInterpreter::withDefined(const FluentValues& state, Defined which) const
 {
-  if (!has_defined_)
+  if (!has_defined_ || (which == Defined::kUsed && used_defined_.empty()))
     return state;
   FluentValues complete = state;
   for (auto it = complete.begin(); it != complete.end();)
@@ -297,7 +338,8 @@ FluentValues RuleInterpreter::withDefined(const FluentValues& state) const
     for (const auto& law : description_.constraints)
     {
       const auto* fluent = law.head ? description_.findFluent(law.head->atom.name) : nullptr;
-      if (fluent == nullptr || fluent->kind != FluentKind::kDefined)
+      if (fluent == nullptr || fluent->kind != FluentKind::kDefined ||
+          (which == Defined::kUsed && used_defined_.count(fluent->name) == 0))
         continue;
       FluentValues next = complete;
       forEach(complete, law.body, {}, [&](const Binding& binding) {
@@ -315,7 +357,7 @@ FluentValues RuleInterpreter::withDefined(const FluentValues& state) const
 
 bool RuleInterpreter::executable(const FluentValues& state, const Atom& action) const
 {
-  const FluentValues complete = withDefined(state);
+  const FluentValues complete = withDefined(state, Defined::kUsed);
   for (const auto& law : description_.executabilities)
   {
     if (law.actions.size() != 1 || !std::holds_alternative<Atom>(law.actions.front()))
@@ -334,7 +376,7 @@ bool RuleInterpreter::applyConstraints(FluentValues& state,
   std::map<std::string, bool> fixed = caused;
   for (int round = 0; round < kMaxRounds; ++round)
   {
-    const FluentValues complete = withDefined(state);
+    const FluentValues complete = withDefined(state, Defined::kUsed);
     bool changed = false;
     bool violated = false;
     for (const auto& law : description_.constraints)
@@ -383,7 +425,7 @@ bool RuleInterpreter::consistent(const FluentValues& state) const
 FluentValues RuleInterpreter::successor(const FluentValues& state, const Atom& action,
                                         const OutcomeChooser& chooser, std::string* label) const
 {
-  const FluentValues complete = withDefined(state);
+  const FluentValues complete = withDefined(state, Defined::kUsed);
   FluentValues next = state;
   std::map<std::string, bool> caused;
   for (const auto& law : description_.causal_laws)
@@ -461,7 +503,7 @@ FluentValues RuleInterpreter::imposed(const FluentValues& state, const FluentVal
 
 bool RuleInterpreter::holds(const FluentValues& state, const Literal& literal) const
 {
-  const FluentValues complete = withDefined(state);
+  const FluentValues complete = withDefined(state, Defined::kAll);
   const std::string value = valueOf(complete, literal.atom.name, ground(literal.atom, {}));
   return !value.empty() && (value == literal.value.name) == literal.equal;
 }

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -78,11 +79,20 @@ private:
                                     const std::string& ground) const;
   bool applyConstraints(FluentValues& state, const std::map<std::string, bool>& caused,
                         bool strict) const;
-  [[nodiscard]] FluentValues withDefined(const FluentValues& state) const;
+  /// The state with its defined fluents, or only with those that the laws ask about: a description
+  /// may define much for people that decides nothing.
+  enum class Defined
+  {
+    kUsed,
+    kAll,
+  };
+  [[nodiscard]] FluentValues withDefined(const FluentValues& state, Defined which) const;
+  [[nodiscard]] std::set<std::string> definedInUse() const;
 
   reasoner::Description description_;
   FluentValues statics_;
   bool has_defined_ = false;
+  std::set<std::string> used_defined_;  // by name of the fluent
 };
 
 }  // namespace kr3::executive
