@@ -1,6 +1,7 @@
 #include "rule.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace kr3::refinement
 {
@@ -42,6 +43,14 @@ ConstantSet ConstantSet::intersection(const ConstantSet& other) const
     }
   }
   return ConstantSet(std::move(common));
+}
+
+ConstantSet ConstantSet::without(const ConstantSet& other) const
+{
+  std::vector<int> rest;
+  std::copy_if(elements_.begin(), elements_.end(), std::back_inserter(rest),
+               [&other](int element) { return !other.contains(element); });
+  return ConstantSet(std::move(rest));
 }
 
 }  // namespace kr3::refinement

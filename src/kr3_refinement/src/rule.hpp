@@ -44,6 +44,7 @@ public:
     return constant >= 0 && index < member_.size() && member_[index] != 0;
   }
   [[nodiscard]] ConstantSet intersection(const ConstantSet& other) const;
+  [[nodiscard]] ConstantSet without(const ConstantSet& other) const;
 
 private:
   std::vector<int> elements_;

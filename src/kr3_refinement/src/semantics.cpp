@@ -109,6 +109,21 @@ void Semantics::addActions(const reasoner::Description& description)
       laws_[law.action.name].push_back(std::move(*compiled));
     }
   }
+  for (const auto& [action, laws] : laws_)
+  {
+    std::set<std::size_t>& mentioned = mentioned_[action];
+    for (const CompiledLaw& law : laws)
+    {
+      addMentioned(law.body, mentioned);
+      for (const CompiledOutcome& outcome : law.outcomes)
+      {
+        for (const CompiledEffect& effect : outcome.effects)
+        {
+          addMentioned(effect.choice, mentioned);
+        }
+      }
+    }
+  }
   for (const reasoner::ObservationLaw& law : description.observations)
   {
     if (auto compiled = compiler.observation(law))
@@ -195,7 +210,8 @@ std::optional<reasoner::SourcePosition> Semantics::forbidden(const Values& state
   {
     std::optional<Binding> binding = bound(law.variables, law.arguments, action.arguments);
     const auto stop = [](const Binding&) { return false; };
-    if (binding && !forEachMatch(signature_, law.variables, law.body, state, *binding, stop))
+    if (binding &&
+        !forEachMatch(signature_, law.variables, law.body, state, *binding, stop, Truth::kPossibly))
     {
       return law.position;
     }

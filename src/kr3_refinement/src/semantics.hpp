@@ -49,6 +49,14 @@ struct GroundObservation
 /// evaluated in the whole description, so that an outcome that leaves the zoom is seen. Defined
 /// fluents follow from a complete state; they must not define each other through negation. Not
 /// thread-safe (it remembers choice sets).
+///
+/// Where a fluent is `elsewhere`, laws can be undetermined: whether they apply rests on which value
+/// outside the zoom it has. The state stands for all of them, so
+/// - an action is forbidden if it is for some of these values: what the model does is possible
+///   whatever the value is, and no plan rests on trying until the value is a lucky one;
+/// - its effects are those for each value, equally likely: none that can come about is excluded;
+/// - a constraint is violated, or forces a value, only if it is so for all of them;
+/// - a defined fluent that is undetermined has the value `elsewhere`, which is either truth value.
 class Semantics
 {
 public:
@@ -75,12 +83,14 @@ public:
   [[nodiscard]] std::vector<GroundAction> actions() const;
   [[nodiscard]] GroundAction groundAction(const reasoner::Atom& action) const;
 
-  /// Where the condition stands that forbids the action in a state; nothing when it is executable.
+  /// Where the condition stands that forbids the action in a state, or may do so where a fluent is
+  /// `elsewhere`; nothing when it is executable.
   [[nodiscard]] std::optional<reasoner::SourcePosition> forbidden(const Values& state,
                                                                   const GroundAction& action) const;
 
   /// How the action can turn out; a label that is impossible in the state does not occur. Shares
-  /// sum to 1 for each label that occurs. The state may be partial: what is unknown stays so, and
+  /// sum to 1 for each label that occurs; where a fluent is `elsewhere`, to the part of the values
+  /// for which it occurs. The state may be partial: what is unknown stays so, and
   /// no condition on it holds.
   [[nodiscard]] std::vector<Result> results(const Values& state, const GroundAction& action) const;
 
@@ -117,6 +127,19 @@ private:
                                                   const std::string& label, const Values& state,
                                                   const GroundAction& action) const;
   [[nodiscard]] bool leavesZoom(const Effect& effect) const;
+  [[nodiscard]] bool isValue(std::size_t fluent, int value) const;
+  /// Adds the fluents that a body mentions, also by way of definitions.
+  void addMentioned(const std::vector<CompiledCondition>& body,
+                    std::set<std::size_t>& symbols) const;
+  /// The states that a state stands for, as far as the action's laws can tell them apart: those
+  /// fluents that they mention have values outside the zoom for `elsewhere`.
+  [[nodiscard]] std::vector<Values> told(const Values& state, const GroundAction& action) const;
+  [[nodiscard]] std::vector<Result> resultsWhenTold(const Values& state,
+                                                    const GroundAction& action) const;
+  /// Makes values outside the zoom `elsewhere` again. @return false when one cannot be: it leaves
+  /// the zoom
+  [[nodiscard]] bool hide(Values& state) const;
+  void define(Values& state, Truth truth) const;
   [[nodiscard]] Conflict involved(const CompiledConstraint& constraint,
                                   const Binding& binding) const;
   [[nodiscard]] std::optional<Conflict> close(Values& state) const;
@@ -133,6 +156,7 @@ private:
   std::vector<CompiledConstraint> definitions_;  ///< with a defined head
   std::unordered_map<std::string, std::vector<CompiledExecutability>> executabilities_;
   std::unordered_map<std::string, std::vector<CompiledObservation>> observations_;
+  std::unordered_map<std::string, std::set<std::size_t>> mentioned_;  ///< by the laws of an action
   mutable std::map<std::pair<const CompiledEffect*, Binding>, std::vector<int>> remembered_choices_;
 };
 

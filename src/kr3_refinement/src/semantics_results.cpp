@@ -180,13 +180,19 @@ std::vector<Semantics::EffectSet> Semantics::effectSets(const std::vector<Compil
   return sets;
 }
 
-bool Semantics::leavesZoom(const Effect& effect) const
+bool Semantics::isValue(std::size_t fluent, int value) const
 {
-  const std::vector<int>& values = fluents()[effect.fluent].values;
-  return std::find(values.begin(), values.end(), effect.value) == values.end();
+  const std::vector<int>& values = fluents()[fluent].values;
+  return std::find(values.begin(), values.end(), value) != values.end();
 }
 
-std::vector<Result> Semantics::results(const Values& state, const GroundAction& action) const
+bool Semantics::leavesZoom(const Effect& effect) const
+{
+  return !isValue(effect.fluent, effect.value);
+}
+
+std::vector<Result> Semantics::resultsWhenTold(const Values& state,
+                                               const GroundAction& action) const
 {
   static const std::vector<CompiledLaw> kNoLaws;
   const auto entry = laws_.find(action.symbol);
@@ -268,12 +274,17 @@ std::optional<Semantics::Conflict> Semantics::close(Values& state) const
         }
         const int value = Signature::constantOf(constraint.head->value, match);
         const int present = state[*fluent];
+        const Equality violation = constraint.head->equal ? Equality::kDifferent : Equality::kEqual;
         if (present == kNone && constraint.head->equal)
         {
-          state[*fluent] = value;
+          state[*fluent] = !isValue(*fluent, value) && isValue(*fluent, signature_.elsewhere())
+                               ? signature_.elsewhere()
+                               : value;
           changed = true;
         }
-        else if (present != kNone && (present == value) != constraint.head->equal)
+        else if (present != kNone &&
+                 signature_.equality(present, value,
+                                     signature_.symbols()[constraint.head->symbol]) == violation)
         {
           conflict = involved(constraint, match);
         }
@@ -290,25 +301,37 @@ bool Semantics::complete(Values& state) const
   {
     state[fluent] = signature_.falseValue();
   }
+  define(state, Truth::kSurely);
+  if (signature_.elsewhere() != kNone)
+  {
+    define(state, Truth::kPossibly);
+  }
+  return !close(state);
+}
+
+void Semantics::define(Values& state, Truth truth) const
+{
+  const int value = truth == Truth::kSurely ? signature_.trueValue() : signature_.elsewhere();
   for (bool changed = !definitions_.empty(); changed;)
   {
     changed = false;
     for (const CompiledConstraint& definition : definitions_)
     {
       Binding binding(definition.variables.domains.size(), kNone);
-      forEachMatch(signature_, definition.variables, definition.body, state, binding,
-                   [&](const Binding& match) {
+      forEachMatch(
+          signature_, definition.variables, definition.body, state, binding,
+          [&](const Binding& match) {
         const std::optional<std::size_t> fluent = signature_.fluentIndex(*definition.head, match);
-        if (fluent && state[*fluent] != signature_.trueValue())
+        if (fluent && state[*fluent] == signature_.falseValue())
         {
-          state[*fluent] = signature_.trueValue();
+          state[*fluent] = value;
           changed = true;
         }
         return true;
-      });
+          },
+          truth);
     }
   }
-  return !close(state);
 }
 
 std::vector<Values> Semantics::successors(const Values& state, const EffectSet& effects) const

@@ -246,6 +246,26 @@ int Signature::value(const CompiledLiteral& literal, const Binding& binding,
   return symbol.is_static ? static_values_[*index] : state[*index];
 }
 
+Equality Signature::equality(int left, int right, const ConstantSet& kept,
+                             const ConstantSet& full) const
+{
+  if (!isElsewhere(left) && !isElsewhere(right))
+  {
+    return left == right ? Equality::kEqual : Equality::kDifferent;
+  }
+  if (&full == &truth_values_)
+  {
+    return Equality::kUndetermined;
+  }
+  const int other = isElsewhere(left) ? right : left;
+  if (!isElsewhere(other) && (kept.contains(other) || !full.contains(other)))
+  {
+    return Equality::kDifferent;
+  }
+  return full.elements().size() == kept.elements().size() + 1 ? Equality::kEqual
+                                                              : Equality::kUndetermined;
+}
+
 void Signature::setStatic(const CompiledLiteral& literal, const Binding& binding, int value)
 {
   const std::optional<std::size_t> index =

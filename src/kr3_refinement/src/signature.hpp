@@ -28,6 +28,22 @@ struct PhysicalFluent
   bool defined = false;
 };
 
+/// Whether two values are the same, where one may be `elsewhere`.
+enum class Equality
+{
+  kEqual,
+  kDifferent,
+  kUndetermined,
+};
+
+/// Which bodies match where a fluent is `elsewhere`, at some value outside the zoom that the state
+/// does not tell: those that hold whatever the value is, or those that hold for some value.
+enum class Truth
+{
+  kSurely,
+  kPossibly,
+};
+
 /// A fluent or static with the numbers to find its ground instances.
 struct Symbol
 {
@@ -62,6 +78,10 @@ public:
   [[nodiscard]] const Vocabulary& vocabulary() const { return vocabulary_; }
   [[nodiscard]] int trueValue() const { return true_; }
   [[nodiscard]] int falseValue() const { return false_; }
+  [[nodiscard]] bool isElsewhere(int value) const
+  {
+    return value == elsewhere_ && value != Vocabulary::kNone;
+  }
   [[nodiscard]] int elsewhere() const { return elsewhere_; }
 
   [[nodiscard]] const ConstantSet& sort(const std::string& name) const { return sorts_.at(name); }
@@ -89,6 +109,17 @@ public:
   /// The value of a ground fluent or static; kNone when unknown or outside.
   [[nodiscard]] int value(const CompiledLiteral& literal, const Binding& binding,
                           const Values& state) const;
+
+  /// Whether two values of a fluent or static are the same. `elsewhere` is one of the values
+  /// outside the zoom; of a boolean one it is either.
+  [[nodiscard]] Equality equality(int left, int right, const Symbol& symbol) const
+  {
+    return equality(left, right, *symbol.value_sort, *symbol.full_value_sort);
+  }
+  /// @param kept  the values inside the zoom
+  /// @param full  all values
+  [[nodiscard]] Equality equality(int left, int right, const ConstantSet& kept,
+                                  const ConstantSet& full) const;
 
   void setStatic(const CompiledLiteral& literal, const Binding& binding, int value);
 
