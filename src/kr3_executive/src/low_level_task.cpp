@@ -148,6 +148,21 @@ std::size_t LowLevelTask::observationIndex(std::size_t action,
   return pomdp_.model().numObservations();  // beyond the zoom
 }
 
+bool LowLevelTask::mayErr(std::size_t action, std::size_t observation) const
+{
+  if (observation == pomdp_.model().numObservations())
+    return false;
+  try
+  {
+    const auto posterior = pomdp::updated(pomdp_.model(), belief_, action, observation).posterior;
+    return posterior.probabilities().at(pomdp_.boundaryState()) < 1.0 - 1e-9;
+  }
+  catch (const FailedPrecondition&)
+  {
+    return false;
+  }
+}
+
 bool LowLevelTask::update(std::size_t action, const std::vector<std::string>& observation,
                           double confidence)
 {
@@ -166,23 +181,36 @@ bool LowLevelTask::update(std::size_t action, const std::vector<std::string>& ob
   attempted_ = attempted_ || executed.symbol == symbol_;
   std::vector<std::string> told = observation;
   observed_last_.clear();
+  std::set<std::string> left;  // fluents that have no place outside the zoom, yet are told there
   for (std::size_t i = 0; i < laws.size(); ++i)
   {
     if (!laws[i].value.empty())
       continue;
     const auto& fluents = pomdp_.fluents();
-    const auto hidden = std::find_if(fluents.begin(), fluents.end(), [&](const auto& fluent) {
-      return fluent.name == laws[i].fluent && !fluent.values.empty() &&
-             fluent.values.back() == kElsewhere;
+    const auto zoomed = std::find_if(fluents.begin(), fluents.end(), [&](const auto& fluent) {
+      return fluent.name == laws[i].fluent;
     });
-    if (hidden == fluents.end())
+    const bool is_zoomed = zoomed != fluents.end() && !zoomed->values.empty();
+    const bool hidden = is_zoomed && zoomed->values.back() == kElsewhere;
+    if (!hidden)
       observed_last_[laws[i].fluent] = observation[i];
-    else if (std::find(hidden->values.begin(), hidden->values.end(), told[i]) ==
-             hidden->values.end())
-      told[i] = kOutside;  // one more hint, which the belief weighs: sensors err
+    if (!is_zoomed ||
+        std::find(zoomed->values.begin(), zoomed->values.end(), told[i]) != zoomed->values.end())
+      continue;
+    told[i] = kOutside;  // one more hint, which the belief weighs: sensors err
+    if (!hidden)
+      left.insert(laws[i].fluent);
+  }
+  const bool explained = left.empty() || mayErr(action, observationIndex(action, told));
+  for (const std::string& fluent : left)
+  {
+    if (explained)
+      observed_last_.erase(fluent);
   }
   for (const auto& [fluent, value] : observed_last_)
     observed_[fluent] = value;
+  if (!explained)
+    return false;
   const std::size_t index = observationIndex(action, told);
   if (index == pomdp_.model().numObservations())
     return false;

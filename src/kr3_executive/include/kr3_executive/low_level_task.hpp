@@ -47,7 +47,8 @@ public:
   /// @param observation  as LowLevelResult
   /// @param confidence   of the observation, (0, 1]
   /// @return false when the observation is impossible at the belief, however doubtful it is, or
-  ///         lies outside the zoom; the belief then stays as it was
+  ///         tells that a fluent has left the zoom, which no error of a sensor explains; the belief
+  ///         then stays as it was
   /// @throws InvalidArgument  another number of observations than the action's laws, or a
   ///                          confidence out of range
   [[nodiscard]] bool update(std::size_t action, const std::vector<std::string>& observation,
@@ -85,6 +86,8 @@ public:
 private:
   [[nodiscard]] std::size_t observationIndex(std::size_t action,
                                              const std::vector<std::string>& observation) const;
+  /// The model explains an observation otherwise than by an outcome that left the zoom.
+  [[nodiscard]] bool mayErr(std::size_t action, std::size_t observation) const;
   [[nodiscard]] refinement::Distribution rememberedValues(const std::string& fluent,
                                                           const refinement::Distribution& inside,
                                                           const LowLevelMemory& memory) const;
