@@ -1,6 +1,7 @@
 #include "semantics.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include <kr3_common/error.hpp>
@@ -14,6 +15,45 @@ namespace
 {
 
 constexpr int kNone = Vocabulary::kNone;
+
+/// The fluents that make most states, for people: "2 of loc with 16 values each, ...".
+std::string largestFluents(const Signature& signature)
+{
+  struct Group
+  {
+    std::string symbol;
+    std::size_t count = 0;
+    std::size_t num_values = 0;  // of the fluent that has most
+
+    [[nodiscard]] double size() const
+    {
+      return static_cast<double>(count) * std::log(static_cast<double>(num_values));
+    }
+  };
+  constexpr std::size_t kMostGroups = 3;
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < signature.numInertial(); ++i)
+  {
+    const std::string& symbol = signature.symbols()[signature.fluents()[i].symbol].name;
+    if (groups.empty() || groups.back().symbol != symbol)
+    {
+      groups.push_back({symbol, 0, 0});
+    }
+    ++groups.back().count;
+    groups.back().num_values =
+        std::max(groups.back().num_values, signature.fluents()[i].values.size());
+  }
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const Group& a, const Group& b) { return a.size() > b.size(); });
+  std::string text;
+  for (std::size_t i = 0; i < std::min(groups.size(), kMostGroups); ++i)
+  {
+    text += (i == 0 ? "" : ", ") + std::to_string(groups[i].count) + " of " + groups[i].symbol +
+            " with " + std::to_string(groups[i].num_values) + " values" +
+            (groups[i].count > 1 ? " each" : "");
+  }
+  return text + (groups.size() > kMostGroups ? " and smaller ones" : "");
+}
 
 }  // namespace
 
@@ -290,7 +330,9 @@ void Semantics::extend(Values& state, std::size_t fluent, std::size_t max_states
     if (found.size() == max_states)
     {
       throw ResourceExhausted("the zoomed description has more than " + std::to_string(max_states) +
-                              " states; raise the limit, or make fewer constants relevant");
+                              " states. Its fluents: " + largestFluents(signature_) +
+                              ". Keep fewer elements of their sorts (of the arguments, or of the "
+                              "values), magnify into fewer components, or raise the limit");
     }
     found.push_back(std::move(closed));
     return;

@@ -479,6 +479,9 @@ TEST(GeneratePomdp, SaysWhatIsWrong)
   const Zoom zoom = office.zoomOn("grasp(rob1, tb1)", kInLibrary);
   expectError(ErrorCode::kResourceExhausted, "more than 10 states",
               [&] { (void)generatePomdp(office.low_level, office.models, zoom, {}, {10}); });
+  expectError(ErrorCode::kResourceExhausted,
+              "2 of loc with 4 values each, 1 of in_hand with 2 values",
+              [&] { (void)generatePomdp(office.low_level, office.models, zoom, {}, {10}); });
   const PomdpTask task = graspTask();
   expectError(ErrorCode::kNotFound, "no low-level fluent 'loc(tb9)'",
               [&] { (void)task.fineMarginal(task.model().initialBelief(), "loc(tb9)"); });
