@@ -7,6 +7,7 @@
 
 #include "kr3_executive/driver.hpp"
 #include "literal_text.hpp"
+#include "plan_steps.hpp"
 
 namespace kr3::executive
 {
@@ -16,18 +17,6 @@ namespace
 /// Why a literal is believed that the history does not entail.
 const std::string kAssumed = "assumed";
 constexpr double kMostCertain = 0.999;
-
-/// Actions that occur together are executed one after the other.
-reasoner::Plan serialised(const reasoner::Plan& plan)
-{
-  reasoner::Plan flat{plan.hypothesis, {}};
-  for (const auto& together : plan.steps)
-  {
-    for (const auto& action : together)
-      flat.steps.push_back({action});
-  }
-  return flat;
-}
 
 /// Whether a record that a statement has a truth value settles that a literal holds.
 bool settles(const LiteralText& statement, bool value, const LiteralText& literal)
@@ -66,17 +55,33 @@ std::map<std::string, double> refutationOdds(const std::vector<reasoner::Record>
 
 }  // namespace
 
+reasoner::Plan serialised(const reasoner::Plan& plan)
+{
+  reasoner::Plan flat{plan.hypothesis, {}};
+  for (const auto& together : plan.steps)
+  {
+    for (const auto& action : together)
+      flat.steps.push_back({action});
+  }
+  return flat;
+}
+
 Event MissionDriver::performPlan()
 {
   const reasoner::PlanResult result = reasoner_.plan(state_.goal, cancel_);
   PlanReady event{result.goal_entailed, {}, result.reason};
-  if (!result.goal_entailed)
+  if (result.goal_entailed)
+  {
+    event.plans = plansToConfirmGoal();
+    event.goal_entailed = event.plans.empty();
+  }
+  else
   {
     for (const auto& found : result.plans)
-      event.plans.push_back({serialised(found), 0.0});
-    if (event.plans.size() > 1)
-      costPlans(event.plans);
+      event.plans.push_back({serialised(found), 0.0, {}, {}});
   }
+  if (event.plans.size() > 1)
+    costPlans(event.plans);
   note(reported(event.plans));
   return event;
 }

@@ -135,7 +135,10 @@ Narration Narrator::goal(const std::string& goal) const
 
 Narration Narrator::plan(const CostedPlan& plan, std::size_t num_plans) const
 {
-  std::string text = "plan: ";
+  std::string text = plan.confirms.empty()
+                         ? "plan: "
+                         : "plan to make sure that " + phrase(plan.confirms) +
+                               (plan.reason.empty() ? "" : " (" + plan.reason + ")") + ": ";
   for (std::size_t i = 0; i < plan.plan.steps.size(); ++i)
     text += (i == 0 ? "" : ", ") + listed(plan.plan.steps[i]);
   if (!plan.plan.hypothesis.empty())
@@ -153,6 +156,8 @@ Narration Narrator::plan(const CostedPlan& plan, std::size_t num_plans) const
   json data = planJson(plan.plan);
   data["cost_s"] = std::isfinite(plan.cost_s) ? json(plan.cost_s) : json();
   data["num_plans"] = num_plans;
+  if (!plan.confirms.empty())
+    data["confirms"] = plan.confirms;
   return {text, data.dump()};
 }
 

@@ -118,6 +118,35 @@ TEST(AbstractMission, NothingIsDoneForAGoalThatHolds)
   EXPECT_EQ(result.mission.hl_actions, 0U);
 }
 
+TEST(AbstractMission, LooksBeforeItDeclaresAGoalThatOnlyADefaultEntails)
+{
+  AbstractMissions missions(kOffice, config());
+  for (const char* place : {"main_library", "aux_library"})
+  {
+    Events events;
+    const auto result =
+        missions.run("loc(tb1) = main_library", {std::string("loc(tb1) = ") + place}, 2, events);
+    EXPECT_TRUE(result.mission.achieved && result.goal_is_true)
+        << place << ": " << result.mission.reason;
+    const std::string plan = events.text(EventKind::kPlan);
+    EXPECT_NE(plan.find("to make sure that tb1 in main_library (default d1"), std::string::npos)
+        << plan;
+  }
+}
+
+TEST(AbstractMission, TrustsADefaultThatIsHeldForKnowledge)
+{
+  auto trusting = config();
+  trusting.driver.default_probability = 0.9;  // above the threshold
+  AbstractMissions missions(kOffice, trusting);
+  Events events;
+  const auto result =
+      missions.run("loc(tb1) = main_library", {"loc(tb1) = aux_library"}, 2, events);
+  EXPECT_TRUE(result.mission.achieved);
+  EXPECT_FALSE(result.goal_is_true);
+  EXPECT_EQ(result.mission.hl_actions, 0U);
+}
+
 TEST(AbstractMission, AnUnknownObjectStartsNothing)
 {
   AbstractMissions missions(kOffice, config());

@@ -59,6 +59,24 @@ private:
   Event performPolicy(const RequestPolicy& request);
   Event performAction();
   void costPlans(std::vector<CostedPlan>& plans);
+
+  /// The part of a goal that is believed least, with the probability that it holds.
+  struct Doubt
+  {
+    reasoner::Literal literal;
+    double probability = 1.0;  ///< 0: not entailed
+    std::string reason;        ///< why it is believed
+  };
+  [[nodiscard]] Doubt doubtOf(const reasoner::Formula& formula, bool negated);
+  /// By what the low level last believed of the fluent; 0 where it remembers nothing.
+  [[nodiscard]] double rememberedProbability(const reasoner::Literal& literal) const;
+  /// A goal that only a default or doubtful refutations entail is no knowledge: plans to an action
+  /// whose low level finds out, as the first actions of a plan for the contrary. Empty when the
+  /// goal is known or nothing can tell.
+  [[nodiscard]] std::vector<CostedPlan> plansToConfirmGoal();
+  /// Index of the first step whose zoom has the fluent among what is assumed; the number of steps
+  /// when there is none.
+  [[nodiscard]] std::size_t stepThatChecks(const reasoner::Plan& plan, const std::string& fluent);
   /// By what the low level remembers; they exclude each other. Shape [hypotheses], sums to 1.
   [[nodiscard]] std::vector<double> hypothesisProbabilities(
       const std::vector<std::vector<std::string>>& hypotheses) const;

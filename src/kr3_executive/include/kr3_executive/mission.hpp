@@ -49,6 +49,9 @@ struct CostedPlan
 {
   reasoner::Plan plan;
   double cost_s = 0.0;
+  std::string confirms = {};  ///< literal of a goal that is entailed but not known; empty: the plan
+                              ///< is for the goal itself
+  std::string reason = {};  ///< why `confirms` is believed
 };
 
 /// A value that the low level doubts: an assumption of the high-level action under execution.
