@@ -54,7 +54,9 @@ std::string firstOf(const Distribution& values)
       ->first;
 }
 
-/// The belief after an action and an observation that is right with a probability.
+/// The belief after an action and an observation that is right with a probability. What the model
+/// holds for impossible stays so: what the robot always knows has to stay known, since a policy's
+/// alpha vectors are over the states that agree with it.
 /// @throws FailedPrecondition  the observation is impossible in the model at the belief
 pomdp::Belief tempered(const pomdp::Model& model, const pomdp::Belief& belief, std::size_t action,
                        std::size_t observation, double confidence, std::size_t num_possible)
@@ -73,10 +75,11 @@ pomdp::Belief tempered(const pomdp::Model& model, const pomdp::Belief& belief, s
   double sum = 0.0;
   for (std::size_t state = 0; state < next.size(); ++state)
   {
-    double likelihood = (1.0 - confidence) / static_cast<double>(num_possible);
+    double modelled = 0.0;
     for (const auto& entry : model.observations(action, state))
-      likelihood += entry.index == observation ? confidence * entry.probability : 0.0;
-    next[state] *= likelihood;
+      modelled += entry.index == observation ? entry.probability : 0.0;
+    const double any = 1.0 / static_cast<double>(num_possible);
+    next[state] *= modelled > 0.0 ? confidence * modelled + (1.0 - confidence) * any : 0.0;
     sum += next[state];
   }
   for (auto& probability : next)

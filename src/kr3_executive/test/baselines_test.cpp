@@ -52,12 +52,12 @@ AbstractMissionConfig configFor(Method method)
   return config;
 }
 
-/// Files of a floor as domains/make_floor.py writes them.
+/// Files of a floor as scripts/make_floor.py writes them.
 std::string floorOf(const std::string& name, const std::string& options)
 {
   const std::string directory = testing::TempDir() + "/baselines_test_" + name;
   const std::string command = std::string("/usr/bin/python3 ") + KR3_DOMAINS_DIR +
-                              "/make_floor.py " + directory + " " + options;
+                              "/../scripts/make_floor.py " + directory + " " + options;
   if (std::system(command.c_str()) != 0)
     throw Unavailable("'" + command + "' failed");
   return directory;

@@ -162,6 +162,14 @@ TEST_F(LowLevelBelief, ADoubtfulObservationCountsLess)
   EXPECT_THROW(static_cast<void>(task.update(0, {"false"}, 0.0)), InvalidArgument);
 }
 
+TEST_F(LowLevelBelief, DoubtLeavesKnownWhatExactSensorsTell)
+{
+  LowLevelTask task = grasp();
+  EXPECT_TRUE(task.update(indexOf(task, "move(rob1, main_library_c1)"), {"main_library_c1"}, 0.6));
+  const auto place = task.pomdp().fineMarginal(task.belief(), "loc(rob1)");
+  EXPECT_EQ(place.at("main_library_c1"), 1.0);
+}
+
 TEST_F(LowLevelBelief, AnImpossibleObservationIsNotExplainedByDoubt)
 {
   LowLevelTask task = grasp();

@@ -167,22 +167,22 @@ def test_a_node_that_never_gets_ready_is_named_with_what_is_missing(repository):
 
 
 @pytest.mark.parametrize(
-    "arguments, message",
+    "arguments, exit_code, message",
     [
-        (["demo", "--target-at", "moon"], "'moon' is no place of the domain office"),
-        (["demo", "--domain", "moon"], "there is no domain 'moon'"),
-        (["up", "--port", "70000"], "port 70000 cannot be used"),
-        (["status"], "no robot is running"),
-        (["goal", "x = y"], "no robot is running"),
-        (["record"], "no robot is running"),
-        (["replay", "none.bag"], "none.bag: No such file"),
+        (["demo", "--target-at", "moon"], 1, "'moon' is no place of the domain office"),
+        (["demo", "--domain", "moon"], 1, "there is no domain 'moon'"),
+        (["up", "--port", "70000"], 1, "port 70000 cannot be used"),
+        (["status"], 1, "no robot is running"),
+        (["goal", "x = y"], 1, "no robot is running"),
+        (["record"], 1, "no robot is running"),
+        (["replay", "none.bag"], 2, "none.bag: No such file"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
-def test_bad_requests_are_refused_in_words(repository, arguments, message):
+def test_bad_requests_are_refused_in_words(repository, arguments, exit_code, message):
     shutil.copytree(ROOT / "rosbag", repository / "rosbag")
     program = Program(repository, *arguments)
-    assert program.exit_code() == 1
+    assert program.exit_code() == exit_code
     assert message in program.text()
     assert "Traceback" not in program.text()
 

@@ -42,7 +42,8 @@ public:
 
   /// Line 14: the belief update, exact when the confidence is 1. With confidence c the observation
   /// is as the model says with probability c, and otherwise any one that the action can give, all
-  /// equally likely: O'(o | a, s) = c O(o | a, s) + (1 - c) / m.
+  /// equally likely: O'(o | a, s) = c O(o | a, s) + (1 - c) / m, and 0 where O(o | a, s) is 0: a
+  /// sensor that the model holds for exact is trusted.
   ///
   /// @param observation  as LowLevelResult
   /// @param confidence   of the observation, (0, 1]

@@ -1,4 +1,5 @@
 """One mission seen from outside: sends the goal, and collects what the robot reports on the way."""
+import re
 import threading
 from collections import OrderedDict
 from typing import Callable, Dict, List, Optional, Tuple
@@ -64,7 +65,7 @@ class LookCollector:
     def __init__(self) -> None:
         self.found_image: Optional[
             object
-        ] = None  # CV_8UC3, BGR: of the last search that found its object
+        ] = None  # CV_8UC3, BGR: of the last search that saw its object
         self.found_what: List[str] = []  # arguments of that search
         self._bridge = CvBridge()
         self._lock = threading.Lock()
@@ -127,9 +128,17 @@ class LookCollector:
         if encoded:
             look = CompressedImage(header=message_image.header, format="jpeg", data=data.tobytes())
             self._publisher.publish(look)
-        if message.result.outcome == "found":
+        noticed = (sighting.literal for sighting in message.result.sightings)
+        if message.result.outcome == "found" or any(map(self._is_of_target, noticed)):
             self.found_image = picture.copy()
             self.found_what = list(self._arguments)
+
+    def _is_of_target(self, literal: str) -> bool:
+        """Whether a sighting, such as "f(a) = b", is about what the search is for."""
+        about = re.fullmatch(r"\w+\(([^)]*)\) = .*", literal)
+        return about is not None and any(
+            name.strip() in self._arguments for name in about.group(1).split(",")
+        )
 
 
 class WorldCollector:

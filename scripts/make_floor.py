@@ -103,7 +103,7 @@ def main():
     parser.add_argument(
         "--office",
         type=pathlib.Path,
-        default=pathlib.Path(__file__).resolve().parent / "office",
+        default=pathlib.Path(__file__).resolve().parent.parent / "domains" / "office",
         help="directory with the laws",
     )
     args = parser.parse_args()
