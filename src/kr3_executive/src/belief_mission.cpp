@@ -8,6 +8,7 @@
 
 #include "kr3_executive/initial_belief.hpp"
 #include "literal_text.hpp"
+#include "mission_inputs.hpp"
 
 namespace kr3::executive
 {
@@ -242,33 +243,13 @@ LowLevelResult BeliefMission::execute(const LowLevelAction& action)
   const FluentLookup believed = [this](const std::string& fluent) {
     return belief_->likeliest(fluent);
   };
-  for (std::uint32_t attempt = 0;; ++attempt)
-  {
-    try
-    {
-      LowLevelResult result = parts_.executor.execute(action, believed, cancel_);
-      note(SkillEnded{action, ErrorCode::kOk, {}, result});
-      return result;
-    }
-    catch (const Error& e)
-    {
-      note(SkillEnded{action, e.code(), e.what(), {}});
-      const bool may_retry =
-          e.code() == ErrorCode::kUnavailable || e.code() == ErrorCode::kDeadlineExceeded;
-      if (!may_retry || attempt >= parts_.config.max_skill_retries || cancel_)
-        throw;
-    }
-  }
+  return executeNoting(parts_.executor, action, believed, parts_.config.max_skill_retries, cancel_,
+                       [this](const Input& input) { note(input); });
 }
 
 void BeliefMission::tell(const Record& record)
 {
-  const auto literal = reasoner::parseGroundLiteral(record.statement, parts_.domain.highLevel());
-  if (!(record.confidence > 0.0 && record.confidence <= 1.0))
-    throw InvalidArgument("confidence " + std::to_string(record.confidence) + ", expected (0, 1]");
-  Record told = record;
-  told.kind = reasoner::RecordKind::kObserved;
-  told.statement = reasoner::toString(literal);
+  Record told = checkedFact(record, parts_.domain.highLevel());
   {
     const std::lock_guard<std::mutex> lock(told_mutex_);
     told_.push_back(std::move(told));

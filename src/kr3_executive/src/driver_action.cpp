@@ -8,6 +8,7 @@
 
 #include "kr3_executive/driver.hpp"
 #include "literal_text.hpp"
+#include "mission_inputs.hpp"
 
 namespace kr3::executive
 {
@@ -240,23 +241,8 @@ Assessment MissionDriver::assessed()
 LowLevelResult MissionDriver::execute(const LowLevelAction& action)
 {
   const FluentLookup believed = [this](const std::string& fluent) { return believedValue(fluent); };
-  for (std::uint32_t attempt = 0;; ++attempt)
-  {
-    try
-    {
-      LowLevelResult result = executor_.execute(action, believed, cancel_);
-      note(SkillEnded{action, ErrorCode::kOk, {}, result});
-      return result;
-    }
-    catch (const Error& e)
-    {
-      note(SkillEnded{action, e.code(), e.what(), {}});
-      const bool may_retry =
-          e.code() == ErrorCode::kUnavailable || e.code() == ErrorCode::kDeadlineExceeded;
-      if (!may_retry || attempt >= config_.max_skill_retries || cancel_)
-        throw;
-    }
-  }
+  return executeNoting(executor_, action, believed, config_.max_skill_retries, cancel_,
+                       [this](const Input& input) { note(input); });
 }
 
 std::string MissionDriver::believedValue(const std::string& fluent) const

@@ -6,6 +6,7 @@
 
 #include "kr3_executive/driver.hpp"
 #include "literal_text.hpp"
+#include "mission_inputs.hpp"
 
 namespace kr3::executive
 {
@@ -203,12 +204,7 @@ Event MissionDriver::performReopen()
 
 void MissionDriver::tell(const Record& record)
 {
-  const auto literal = reasoner::parseGroundLiteral(record.statement, domain_.highLevel());
-  if (!(record.confidence > 0.0 && record.confidence <= 1.0))
-    throw InvalidArgument("confidence " + std::to_string(record.confidence) + ", expected (0, 1]");
-  Record told = record;
-  told.kind = RecordKind::kObserved;
-  told.statement = reasoner::toString(literal);
+  Record told = checkedFact(record, domain_.highLevel());
   {
     const std::lock_guard<std::mutex> lock(told_mutex_);
     told_.push_back(std::move(told));
