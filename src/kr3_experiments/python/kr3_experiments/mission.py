@@ -17,6 +17,7 @@ from kr3_msgs.msg import (
     DetectionArray,
     ExecuteSkillActionGoal,
     ExecuteSkillActionResult,
+    ExecuteSkillResult,
     MissionEvent,
     ModelStates,
     SimulationState,
@@ -59,7 +60,8 @@ class LookCollector:
     """Keeps one picture of every look.
 
     It listens to the camera's debug image only while a search runs: the camera renders only while somebody listens.
-    The picture is the one in which the object looked for was most probable, or the last one.
+    The picture is the one in which the object looked for was most probable, or the last one. A search can end before
+    the connection to the camera stands: its picture is then the first one that comes.
     """
 
     def __init__(self) -> None:
@@ -73,6 +75,7 @@ class LookCollector:
         self._images: "OrderedDict[rospy.Time, Image]" = OrderedDict()
         self._scores: Dict[rospy.Time, float] = {}
         self._listening: List[rospy.Subscriber] = []
+        self._late_result: Optional[ExecuteSkillResult] = None  # of a search without a picture yet
         self._publisher = rospy.Publisher("looks/image/compressed", CompressedImage, queue_size=10)
         self._goals = rospy.Subscriber("skills/search/goal", ExecuteSkillActionGoal, self._on_goal)
         self._results = rospy.Subscriber(
@@ -90,6 +93,7 @@ class LookCollector:
             self._arguments = list(message.goal.arguments)
             self._images.clear()
             self._scores.clear()
+            self._late_result = None
             if not self._listening:
                 self._listening = [
                     rospy.Subscriber(
@@ -105,6 +109,9 @@ class LookCollector:
             self._images[message.header.stamp] = message
             while len(self._images) > _KEPT_IMAGES:
                 self._images.popitem(last=False)
+            late_result = self._late_result
+        if late_result is not None:
+            self._keep_picture(late_result)
 
     def _on_detections(self, message: DetectionArray) -> None:
         with self._lock:
@@ -114,24 +121,31 @@ class LookCollector:
             self._scores[message.header.stamp] = max(wanted, default=0.0)
 
     def _on_result(self, message: ExecuteSkillActionResult) -> None:
+        self._keep_picture(message.result)
+
+    def _keep_picture(self, result: ExecuteSkillResult) -> None:
+        """Stop listening and keep the best picture of the search that ended so; without one, wait for the first."""
         with self._lock:
+            if not self._images:
+                self._late_result = result
+                return
+            self._late_result = None
             for subscriber in self._listening:
                 subscriber.unregister()
             self._listening = []
-            if not self._images:
-                return
             stamps = list(self._images)
             best = max(stamps, key=lambda stamp: (self._scores.get(stamp, 0.0), stamp.to_sec()))
             message_image = self._images[best]
+            arguments = list(self._arguments)
         picture = self._bridge.imgmsg_to_cv2(message_image, "bgr8")
         encoded, data = cv2.imencode(".jpg", picture)
         if encoded:
             look = CompressedImage(header=message_image.header, format="jpeg", data=data.tobytes())
             self._publisher.publish(look)
-        noticed = (sighting.literal for sighting in message.result.sightings)
-        if message.result.outcome == "found" or any(map(self._is_of_target, noticed)):
+        noticed = (sighting.literal for sighting in result.sightings)
+        if result.outcome == "found" or any(map(self._is_of_target, noticed)):
             self.found_image = picture.copy()
-            self.found_what = list(self._arguments)
+            self.found_what = arguments
 
     def _is_of_target(self, literal: str) -> bool:
         """Whether a sighting, such as "f(a) = b", is about what the search is for."""
