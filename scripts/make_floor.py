@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Writes the files of a floor of rooms, for experiments: the world of domains/office with N rooms.
 
-    make_floor.py OUT --rooms 10 [--cells 4] [--layout line|grid] [--objects 1] [--defaults 3] [--exact]
+    make_floor.py OUT --rooms 10 [--cells 4] [--layout line|grid] [--objects 1] [--defaults 3] [--noise 1]
+                  [--exact]
 
 The rooms r1, r2, ... stand in a line or in a square grid; a room's cells are a square grid, 2 m apart, and what
 is beside another cell, across rooms too, is its neighbour. The robot starts in r1 and is to bring book b1 to the last
@@ -12,6 +13,8 @@ where they should, looking and grasping never fail.
 import argparse
 import math
 import pathlib
+
+import yaml
 
 PITCH_M = 2.0
 
@@ -68,17 +71,31 @@ def domain_text(office, args):
     )
 
 
-def models_text(office, args):
-    if args.exact:
-        for noisy, exact in (
-            ("reached: 0.95, slipped: 0.05", "reached: 1, slipped: 0"),
-            ("true_positive: 0.90, false_positive: 0.05", "true_positive: 1, false_positive: 0"),
-            ("succeeded: 0.9, failed: 0.1", "succeeded: 1, failed: 0"),
-        ):
-            if noisy not in office:
-                raise SystemExit(f"models.yaml of the office no longer has '{noisy}'")
-            office = office.replace(noisy, exact)
-    return office
+def models_text(office, noise):
+    """The office's numbers with every rate of errors multiplied: of outcomes but the likeliest, of sensors."""
+    if noise == 1:
+        return office
+    models = yaml.safe_load(office)
+    for action in models["actions"].values():
+        outcomes = action.get("outcomes")
+        if outcomes:
+            probabilities = outcomes["probabilities"]
+            likeliest = max(probabilities, key=probabilities.get)
+            for label in probabilities:
+                if label != likeliest:
+                    probabilities[label] *= noise
+            rest = sum(share for label, share in probabilities.items() if label != likeliest)
+            probabilities[likeliest] = 1.0 - rest
+            outcomes.pop("counts", None)
+            outcomes["source"] = "hand-written"
+        for name, sensor in action.get("observations", {}).items():
+            if sensor == "exact":
+                continue
+            changed = {"true_positive": 1.0 - noise * (1.0 - sensor["true_positive"])}
+            if "false_positive" in sensor:
+                changed["false_positive"] = noise * sensor["false_positive"]
+            action["observations"][name] = {**changed, "source": "hand-written"}
+    return yaml.safe_dump(models, sort_keys=False)
 
 
 def scenario_text(args):
@@ -99,6 +116,7 @@ def main():
     parser.add_argument("--layout", choices=("line", "grid"), default="grid")
     parser.add_argument("--objects", type=int, default=1)
     parser.add_argument("--defaults", type=int, default=3, help="length of the chain")
+    parser.add_argument("--noise", type=float, default=1.0, help="times the rates of all errors")
     parser.add_argument("--exact", action="store_true", help="without noise")
     parser.add_argument(
         "--office",
@@ -107,8 +125,8 @@ def main():
         help="directory with the laws",
     )
     args = parser.parse_args()
-    if args.rooms < 2 or args.cells < 1 or args.objects < 1 or args.defaults < 0:
-        parser.error("at least two rooms, a cell each, and an object")
+    if args.rooms < 2 or args.cells < 1 or args.objects < 1 or args.defaults < 0 or args.noise < 0:
+        parser.error("at least two rooms, a cell each, an object, and no negative noise")
     args.out.mkdir(parents=True, exist_ok=True)
 
     def office(name):
@@ -117,7 +135,7 @@ def main():
     files = {
         "domain.kr3": domain_text(office("domain.kr3"), args),
         "refinement.kr3": office("refinement.kr3"),
-        "models.yaml": models_text(office("models.yaml"), args),
+        "models.yaml": models_text(office("models.yaml"), 0.0 if args.exact else args.noise),
         "bindings.yaml": office("bindings.yaml"),
         "map.yaml": map_text(args),
         "scenario.yaml": scenario_text(args),

@@ -4,4 +4,8 @@ from distutils.core import setup
 
 from catkin_pkg.python_setup import generate_distutils_setup
 
-setup(**generate_distutils_setup(packages=["kr3_experiments"], package_dir={"": "python"}))
+setup(
+    **generate_distutils_setup(
+        packages=["kr3_experiments", "kr3_experiments.experiment"], package_dir={"": "python"}
+    )
+)

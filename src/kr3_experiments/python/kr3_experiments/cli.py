@@ -31,6 +31,9 @@ _COMMANDS: Dict[str, Command] = {
     "record": Command("record", "record a bag of the running robot until Ctrl-C"),
     "replay": Command("replay", "compute a bag's decisions again, or play it"),
     "map": Command("mapping", "let the robot drive and build the map of a domain"),
+    "experiment": Command(
+        "experiment.command", "run an experiment of the paper, and write its report"
+    ),
     "doctor": Command("doctor", "say what would not work on this machine"),
 }
 

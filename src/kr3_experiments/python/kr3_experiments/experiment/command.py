@@ -1,0 +1,161 @@
+"""`./kr3 experiment`: runs what is missing of an experiment, then writes its report."""
+import argparse
+import os
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Dict, Iterator, List, Optional, Sequence, Tuple, Union
+
+from kr3_experiments.domain import repository_root
+from kr3_experiments.errors import Kr3Error
+from kr3_experiments.experiment.accuracy import Accuracy
+from kr3_experiments.experiment.cluster import DaskExecutor
+from kr3_experiments.experiment.default_bias import DefaultBias
+from kr3_experiments.experiment.defaults import Defaults
+from kr3_experiments.experiment.definition import Experiment, Findings, Options
+from kr3_experiments.experiment.planning_time import PlanningTime
+from kr3_experiments.experiment.points import Configuration, configurations
+from kr3_experiments.experiment.report import head, section, write_report
+from kr3_experiments.experiment.rows import RowStore
+from kr3_experiments.experiment.sweep import Executor, LocalExecutor, Work, commit, run_sweep
+from kr3_experiments.experiment.worker import trials_program
+
+_TRIALS: Sequence[Experiment] = (Accuracy(), Defaults(), DefaultBias())
+_EXPERIMENTS: Dict[str, Union[Experiment, PlanningTime]] = {
+    experiment.name: experiment for experiment in (*_TRIALS, PlanningTime())
+}
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("name", help=f"{', '.join(_EXPERIMENTS)}, or all")
+    parser.add_argument("--quick", action="store_true", help="small sizes and few trials")
+    parser.add_argument(
+        "--out", type=Path, help="folder of the results (default: runs/experiments[_quick])"
+    )
+    parser.add_argument("--trials", type=int, default=0, help="a point, in place of the protocol's")
+    parser.add_argument("--seed", type=int, default=Options.seed, help="of the first trial")
+    parser.add_argument(
+        "--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)"
+    )
+    parser.add_argument("--scheduler", help="address of a Dask scheduler, such as tcp://HOST:8786")
+    parser.add_argument(
+        "--report-only", action="store_true", help="of the rows that are there; run nothing"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """@return the exit code. @throws Kr3Error  a name, a range or a folder is wrong, or a trial fails"""
+    if args.name != "all" and args.name not in _EXPERIMENTS:
+        raise Kr3Error(
+            f"unknown experiment '{args.name}'; there are {', '.join(_EXPERIMENTS)}, all"
+        )
+    for option, least in (("trials", 0), ("seed", 0), ("jobs", 1)):
+        if getattr(args, option) < least:
+            raise Kr3Error(
+                f"--{option}: found {getattr(args, option)}, expected a number from {least}"
+            )
+    options = Options(quick=args.quick, seed=args.seed, trials=args.trials)
+    out = args.out or repository_root() / "runs" / ("experiments" + "_quick" * args.quick)
+    names = list(_EXPERIMENTS) if args.name == "all" else [args.name]
+    sections: List[Tuple[str, List[str], Findings]] = []
+    with _executor(args, out) as executor:
+        for name in names:
+            experiment = _EXPERIMENTS[name]
+            print(f"{experiment.title} ({name})", flush=True)
+            findings, notes = _results(experiment, options, out / name, executor)
+            for statement in findings.statements:
+                print(f"  {statement}")
+            lines = section(
+                experiment.title, experiment.claim, experiment.protocol, findings, notes
+            )
+            page = write_report(
+                out / name,
+                experiment.title,
+                head(experiment.title, _facts(options)) + lines,
+                findings,
+            )
+            print(f"  report: {page}", flush=True)
+            nested = section(
+                experiment.title, experiment.claim, experiment.protocol, findings, notes, f"{name}/"
+            )
+            sections.append((name, nested, findings))
+    if args.name == "all":
+        lines = head("Experiments", _facts(options))
+        for _, nested, _ in sections:
+            lines += nested
+        print(f"All of them: {write_report(out, 'Experiments', lines, Findings())}")
+    return 0
+
+
+def _facts(options: Options) -> Dict[str, str]:
+    return {
+        "commit": commit(),
+        "seeds": f"from {options.seed}",
+        "trials a point": str(options.trials or ("quick" if options.quick else "by the protocol")),
+    }
+
+
+@contextmanager
+def _executor(args: argparse.Namespace, out: Path) -> Iterator[Optional[Executor]]:
+    """Where trials run; nowhere with --report-only."""
+    if args.report_only:
+        yield None
+        return
+    if args.scheduler:
+        cluster = DaskExecutor(args.scheduler)
+        try:
+            yield cluster
+        finally:
+            cluster.close()
+        return
+    try:
+        (out / "policies").mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Kr3Error(f"cannot write results to '{out}': {error.strerror}") from error
+    yield LocalExecutor(trials_program(), args.jobs, out / "policies")
+
+
+def _results(
+    experiment: Union[Experiment, PlanningTime],
+    options: Options,
+    folder: Path,
+    executor: Optional[Executor],
+) -> Tuple[Findings, List[str]]:
+    """The findings, and notes about the rows."""
+    if isinstance(experiment, PlanningTime):
+        rows = experiment.measure(folder, options)
+        return experiment.findings(rows, options), [f"raw rows: {len(rows)}, in rows.csv"]
+    store = RowStore(folder, experiment.labels)
+    notes = [f"kept aside in {store.rejected_path.name}: {what}" for what in store.rejected]
+    for note in notes:
+        print(f"  {note}")
+    points = configurations(experiment.points(options), folder / "floors")
+    if executor is not None:
+        notes += _work_notes(points, run_sweep(points, store, executor))
+    rows = store.of([point.digest for point in points])
+    missing = sum(len(point.point.all_seeds()) for point in points) - len(rows)
+    if missing:
+        notes.append(f"{missing} trials are missing: the figures are of those that are there")
+    if not rows:
+        raise Kr3Error(f"'{store.path}' has no rows of {experiment.name}: run it first")
+    notes.append(f"raw rows: {len(rows)}, in rows.csv; each names the hashes of its policies")
+    return experiment.findings(rows, options), notes
+
+
+def _work_notes(points: Sequence[Configuration], work: Dict[str, Work]) -> List[str]:
+    """What this run took, a configuration a line."""
+    notes = []
+    for point in points:
+        done = work.get(point.digest)
+        if done is None or not done.trials:
+            continue
+        asked = done.policy_hits + done.policy_misses
+        rate = (
+            f", {done.policy_hits / asked:.1%} of {asked} policies from the cache" if asked else ""
+        )
+        label = ", ".join(f"{name} {value}" for name, value in point.point.label.items())
+        notes.append(
+            f"this run: {label}: {done.trials} trials in {done.cpu_s:.1f} s of CPU,"
+            f" {done.trials / done.cpu_s:.1f} a second{rate}"
+        )
+    return notes

@@ -1,0 +1,136 @@
+"""H2: how much POMDP-2 depends on the probability that it gives to defaults."""
+from typing import Any, Dict, List, Sequence
+
+from kr3_experiments.experiment.definition import (
+    METHOD_NAMES,
+    Curve,
+    Findings,
+    Options,
+    Table,
+    by_seed,
+    false_declarations,
+    mean_of,
+    plot,
+    select,
+    success_of,
+)
+from kr3_experiments.experiment.points import Floor, Point, TargetRule
+from kr3_experiments.experiment.rows import Row
+from kr3_experiments.experiment.statistics import paired
+
+_USUAL = "r2"
+_ROOMS = 4
+_BIASES = [0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 0.99]
+_QUICK_BIASES = [0.5, 0.85, 0.99]
+_TARGETS = {"normal": 1.0, "exceptional": 0.0}  # share that obeys the default
+_NO_BIAS = 0.0  # PA has none
+
+
+class DefaultBias:
+    """PA against POMDP-2 over p."""
+
+    name = "default_bias"
+    title = "Defaults as probabilities"
+    claim = "POMDP-2's result depends on p, the probability of what defaults say, and on whether the object obeys (H2)."
+    protocol = (
+        f"{_ROOMS} rooms of four cells. POMDP-2 starts with probability p where the first default says, p of the rest"
+        " where the second says, and so on. Objects that obey (normal) and objects in any other room (exceptional)."
+        " PA knows the same defaults and has no p. The same worlds for all."
+    )
+    labels = {"method": str, "bias": float, "target": str}
+
+    def points(self, options: Options) -> List[Point]:
+        """PA once, POMDP-2 for each p, for both kinds of target."""
+        biases = _QUICK_BIASES if options.quick else _BIASES
+        return [
+            self._point(options, method, bias, target)
+            for target in _TARGETS
+            for method, bias in [("pa", _NO_BIAS), *(("pomdp2", bias) for bias in biases)]
+        ]
+
+    @staticmethod
+    def _point(options: Options, method: str, bias: float, target: str) -> Point:
+        job: Dict[str, Any] = {"method": method}
+        if method == "pomdp2":
+            job.update(bias=bias, flat_planning="ahead", flat_backups=20_000)
+        return Point(
+            label={"method": method, "bias": bias, "target": target},
+            floor=Floor(rooms=_ROOMS),
+            target=TargetRule(rooms=_ROOMS, usual=_USUAL, share=_TARGETS[target]),
+            job=job,
+            seeds=options.seeds(full=1000, quick=20),
+        )
+
+    def findings(self, rows: Sequence[Row], options: Options) -> Findings:
+        """Time and success over p."""
+        found = Findings()
+        for column, text in (("duration_s", "time of a mission, s"), ("success", "success")):
+            found.figures[f"default_bias_{column}"] = plot(
+                [
+                    self._curve(rows, method, target, column)
+                    for method in ("pa", "pomdp2")
+                    for target in _TARGETS
+                ],
+                "probability p of what a default says",
+                text,
+            )
+        table = Table(
+            "All points",
+            ["method", "p", "target", "trials", "success", "false", "LL actions", "time, s"],
+        )
+        for method, bias, target in sorted(
+            {(row["method"], row["bias"], row["target"]) for row in rows}
+        ):
+            group = select(rows, method=method, bias=bias, target=target)
+            table.rows.append(
+                [
+                    METHOD_NAMES[method],
+                    "-" if method == "pa" else f"{bias:g}",
+                    target,
+                    str(len(group)),
+                    success_of(group).text(3),
+                    str(false_declarations(group)),
+                    mean_of(group, "ll_actions").text(1),
+                    mean_of(group, "duration_s").text(1),
+                ]
+            )
+        found.tables.append(table)
+        found.statements += [self._statement(rows, target) for target in _TARGETS]
+        return found
+
+    @staticmethod
+    def _curve(rows: Sequence[Row], method: str, target: str, column: str) -> Curve:
+        mine = select(rows, method=method, target=target)
+        biases = sorted({row["bias"] for row in rows if row["method"] == "pomdp2"})
+
+        def value(group: Sequence[Row]) -> Any:
+            return success_of(group) if column == "success" else mean_of(group, column)
+
+        name = f"{METHOD_NAMES[method]}, {target}"
+        if method == "pa":
+            return Curve(name, biases, [value(mine)] * len(biases))
+        return Curve(name, biases, [value(select(mine, bias=bias)) for bias in biases])
+
+    @staticmethod
+    def _statement(rows: Sequence[Row], target: str) -> str:
+        pa = by_seed(select(rows, method="pa", target=target))
+        flat = select(rows, method="pomdp2", target=target)
+        biases = sorted({row["bias"] for row in flat})
+        times = {bias: mean_of(select(flat, bias=bias), "duration_s").value for bias in biases}
+        best, worst = min(biases, key=times.__getitem__), max(biases, key=times.__getitem__)
+        other = by_seed(select(flat, bias=best))
+        seeds = sorted(pa.keys() & other.keys())
+        result = paired(
+            [float(pa[seed]["duration_s"]) for seed in seeds],
+            [float(other[seed]["duration_s"]) for seed in seeds],
+        )
+        spread = paired(
+            [float(by_seed(select(flat, bias=worst))[seed]["duration_s"]) for seed in seeds],
+            [float(other[seed]["duration_s"]) for seed in seeds],
+        )
+        depends = "depends on p" if spread.ratio.low > 1 else "does not visibly depend on p"
+        return (
+            f"{target.capitalize()} targets: POMDP-2 is fastest at p = {best:g} and slowest at p = {worst:g}, by"
+            f" {spread.ratio.text()}: it {depends}. PA takes {result.ratio.text()} times as long as POMDP-2 at its best"
+            f" p (paired t-test p = {result.t_p:.2g}, {result.pairs} pairs)."
+        )

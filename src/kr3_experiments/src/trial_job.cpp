@@ -1,0 +1,184 @@
+#include "trial_job.hpp"
+
+#include <functional>
+#include <map>
+
+#include <kr3_common/error.hpp>
+
+namespace kr3::experiments
+{
+namespace
+{
+
+using nlohmann::json;
+
+template <typename T>
+T valueOf(const json& value, const std::string& key)
+{
+  try
+  {
+    return value.get<T>();
+  }
+  catch (const json::exception&)
+  {
+    throw InvalidArgument("'" + key + "': found " + value.dump() + " of the wrong type");
+  }
+}
+
+template <typename T>
+T countOf(const json& value, const std::string& key)
+{
+  if (!value.is_number_unsigned())
+    throw InvalidArgument("'" + key + "': found " + value.dump() +
+                          ", expected a whole number that is not negative");
+  return value.get<T>();
+}
+
+double shareOf(const json& value, const std::string& key)
+{
+  const double share = valueOf<double>(value, key);
+  if (!(share > 0.0 && share < 1.0))
+    throw InvalidArgument("'" + key + "': found " + value.dump() + ", expected a number in (0, 1)");
+  return share;
+}
+
+using Setter = std::function<void(TrialJob&, const json&)>;
+
+const std::map<std::string, Setter>& setters()
+{
+  static const std::map<std::string, Setter> kSetters{
+      {"domain",
+       [](TrialJob& job, const json& v) { job.domain_dir = valueOf<std::string>(v, "domain"); }},
+      {"goal", [](TrialJob& job, const json& v) { job.goal = valueOf<std::string>(v, "goal"); }},
+      {"method",
+       [](TrialJob& job, const json& v) {
+    job.config.method = executive::methodNamed(valueOf<std::string>(v, "method"));
+       }},
+      {"bindings",
+       [](TrialJob& job, const json& v) {
+    job.config.bindings = valueOf<std::string>(v, "bindings");
+       }},
+      {"components_per_whole",
+       [](TrialJob& job, const json& v) {
+    job.config.components_per_whole = countOf<std::size_t>(v, "components_per_whole");
+       }},
+      {"default_probability",
+       [](TrialJob& job, const json& v) {
+    job.config.driver.default_probability = shareOf(v, "default_probability");
+       }},
+      {"precision",
+       [](TrialJob& job, const json& v) {
+    job.config.driver.budget.precision = valueOf<double>(v, "precision");
+       }},
+      {"max_backups",
+       [](TrialJob& job, const json& v) {
+    job.config.driver.budget.max_backups = countOf<std::uint64_t>(v, "max_backups");
+       }},
+      {"bias", [](TrialJob& job,
+                  const json& v) { job.config.baseline.default_probability = shareOf(v, "bias"); }},
+      {"flat_planning",
+       [](TrialJob& job, const json& v) {
+    job.config.baseline.planning =
+        executive::flatPlanningNamed(valueOf<std::string>(v, "flat_planning"));
+       }},
+      {"flat_precision",
+       [](TrialJob& job, const json& v) {
+    job.config.baseline.budget.precision = valueOf<double>(v, "flat_precision");
+       }},
+      {"flat_backups",
+       [](TrialJob& job, const json& v) {
+    job.config.baseline.budget.max_backups = countOf<std::uint64_t>(v, "flat_backups");
+       }},
+      {"max_hl_actions",
+       [](TrialJob& job, const json& v) {
+    job.limits.max_hl_actions = countOf<std::uint32_t>(v, "max_hl_actions");
+       }},
+      {"max_ll_actions",
+       [](TrialJob& job, const json& v) {
+    job.limits.max_ll_actions = countOf<std::uint32_t>(v, "max_ll_actions");
+       }},
+      {"threshold",
+       [](TrialJob& job, const json& v) { job.limits.threshold = shareOf(v, "threshold"); }},
+      };
+  return kSetters;
+}
+
+std::vector<Trial> trialsOf(const json& values)
+{
+  if (!values.is_array() || values.empty())
+    throw InvalidArgument("'trials': found " + values.dump() + ", expected a list of trials");
+  std::vector<Trial> trials;
+  for (const json& value : values)
+  {
+    if (!value.is_object() || !value.contains("seed"))
+      throw InvalidArgument("'trials': found " + value.dump() +
+                            ", expected {\"seed\": ..., \"truths\": [...]}");
+    Trial trial;
+    trial.seed = countOf<std::uint64_t>(value.at("seed"), "seed");
+    if (value.contains("truths"))
+      trial.truths = valueOf<std::vector<std::string>>(value.at("truths"), "truths");
+    trials.push_back(std::move(trial));
+  }
+  return trials;
+}
+
+}  // namespace
+
+TrialJob readTrialJob(const std::string& line)
+{
+  json value;
+  try
+  {
+    value = json::parse(line);
+  }
+  catch (const json::exception& error)
+  {
+    throw InvalidArgument(std::string("no JSON: ") + error.what());
+  }
+  if (!value.is_object())
+    throw InvalidArgument("found " + value.dump() + ", expected an object");
+  for (const char* key : {"job", "domain", "trials"})
+  {
+    if (!value.contains(key))
+      throw InvalidArgument(std::string("'") + key + "' is missing");
+  }
+  TrialJob job;
+  job.config.driver.budget.time_s = 0.0;
+  job.config.baseline.budget.time_s = 0.0;
+  for (const auto& [key, entry] : value.items())
+  {
+    if (key == "job")
+      job.id = valueOf<std::string>(entry, key);
+    else if (key == "trials")
+      job.trials = trialsOf(entry);
+    else if (const auto setter = setters().find(key); setter != setters().end())
+      setter->second(job, entry);
+    else
+      throw InvalidArgument("unknown key '" + key + "'");
+  }
+  value.erase("job");
+  value.erase("trials");
+  value.erase("goal");
+  for (const char* key : {"max_hl_actions", "max_ll_actions", "threshold"})
+    value.erase(key);  // of the mission, not of what is prepared for it
+  job.configuration = value.dump();
+  return job;
+}
+
+json rowOf(const TrialJob& job, const Trial& trial, const executive::TrialResult& result,
+           const std::vector<std::string>& policies, std::uint64_t backups)
+{
+  const executive::MissionResult& mission = result.mission;
+  return {{"job", job.id},
+          {"seed", trial.seed},
+          {"declared", mission.achieved},
+          {"goal_true", result.goal_is_true},
+          {"hl_actions", mission.hl_actions},
+          {"ll_actions", mission.ll_actions},
+          {"duration_s", mission.duration_s},
+          {"reason", mission.reason},
+          {"policies", policies},
+          {"backups", backups}};
+}
+
+}  // namespace kr3::experiments

@@ -1,0 +1,76 @@
+#include "trial_job.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <kr3_common/error.hpp>
+
+namespace
+{
+
+using namespace kr3::experiments;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string problemOf(const std::string& line)
+{
+  try
+  {
+    static_cast<void>(readTrialJob(line));
+  }
+  catch (const kr3::InvalidArgument& error)
+  {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(TrialJob, SaysEverythingThatARowDependsOn)
+{
+  const TrialJob job = readTrialJob(
+      R"({"job": "a7", "domain": "d", "method": "pomdp2", "bias": 0.7, "flat_backups": 50,
+          "max_ll_actions": 9, "trials": [{"seed": 3, "truths": ["f = 1"]}, {"seed": 4}]})");
+  EXPECT_EQ(job.id, "a7");
+  EXPECT_EQ(job.config.method, kr3::executive::Method::kPomdp2);
+  EXPECT_EQ(job.config.baseline.default_probability, 0.7);
+  EXPECT_EQ(job.config.baseline.budget.max_backups, 50U);
+  EXPECT_EQ(job.limits.max_ll_actions, 9U);
+  ASSERT_EQ(job.trials.size(), 2U);
+  EXPECT_THAT(job.trials[0].truths, ElementsAre("f = 1"));
+}
+
+TEST(TrialJob, SolversHaveCountedWorkOnly)
+{
+  const TrialJob job = readTrialJob(R"({"job": "1", "domain": "d", "trials": [{"seed": 1}]})");
+  EXPECT_EQ(job.config.driver.budget.time_s, 0.0);
+  EXPECT_EQ(job.config.baseline.budget.time_s, 0.0);
+}
+
+TEST(TrialJob, SharesWhatIsPreparedWhateverTheTrials)
+{
+  const auto configuration = [](const std::string& rest) {
+    return readTrialJob(R"({"job": "1", "domain": "d", )" + rest + "}").configuration;
+  };
+  const std::string first = configuration(R"("trials": [{"seed": 1}])");
+  EXPECT_EQ(first, configuration(R"("max_hl_actions": 3, "trials": [{"seed": 2}])"));
+  EXPECT_NE(first, configuration(R"("method": "pa_star", "trials": [{"seed": 1}])"));
+}
+
+TEST(TrialJob, NamesWhatIsWrong)
+{
+  EXPECT_THAT(problemOf("{"), HasSubstr("no JSON"));
+  EXPECT_THAT(problemOf("[]"), HasSubstr("expected an object"));
+  EXPECT_THAT(problemOf(R"({"job": "1", "domain": "d"})"), HasSubstr("'trials' is missing"));
+  EXPECT_THAT(problemOf(R"({"job": "1", "domain": "d", "trials": []})"), HasSubstr("'trials'"));
+  EXPECT_THAT(problemOf(R"({"job": "1", "domain": "d", "trials": [{"seed": -1}]})"),
+              HasSubstr("'seed': found -1"));
+  const auto with = [](const std::string& entry) {
+    return R"({"job": "1", "domain": "d", "trials": [{"seed": 1}], )" + entry + "}";
+  };
+  EXPECT_THAT(problemOf(with(R"("bias": 1.5)")), HasSubstr("'bias': found 1.5"));
+  EXPECT_THAT(problemOf(with(R"("colour": 1)")), HasSubstr("unknown key 'colour'"));
+  EXPECT_THAT(problemOf(with(R"("method": "magic")")), HasSubstr("pa_star"));
+  EXPECT_THAT(problemOf(with(R"("goal": 7)")), HasSubstr("'goal': found 7"));
+}
+
+}  // namespace
