@@ -13,6 +13,8 @@ VARIABLES = {
     "map_out": "/d/map.bt",
     "seed": 7,
     "placements": ["a=b"],
+    "method": "pa",
+    "scenario": "/d/scenario.yaml",
     "robot_start": [1.0, 2.0, 0.5],
     "real_time_factor": 4.0,
 }

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional
 
+import yaml
+
 from kr3_experiments.domain import Domain, load_domain, repository_root
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.master import free_port, is_master
@@ -14,6 +16,7 @@ from kr3_experiments.stack import Stack
 from kr3_experiments.stack_file import load_stack
 
 DEFAULT_PORT = 11311
+METHODS = ["pa", "pa_star", "pomdp1", "pomdp2", "hierarchical"]
 
 
 @dataclass(frozen=True)
@@ -24,6 +27,8 @@ class World:
     seed: int
     target_at: str
     real_time_factor: float  # 0: as fast as possible
+    method: str = METHODS[0]  # of the executive
+    told: bool = False  # the robot is told where the target is: an oracle to compare with
 
 
 def add_world_options(parser: argparse.ArgumentParser) -> None:
@@ -42,6 +47,13 @@ def add_world_options(parser: argparse.ArgumentParser) -> None:
         metavar="X",
         help="simulated s per s of wall time (default: 4); 0: as fast as possible",
     )
+    parser.add_argument(
+        "--method",
+        choices=METHODS,
+        default=METHODS[0],
+        help="of planning: KR3's (pa) or a baseline",
+    )
+    parser.add_argument("--told", action="store_true", help="tell the robot where the object is")
     parser.add_argument("--port", type=int, help="port of the ROS master")
     parser.add_argument(
         "--stack", type=Path, metavar="FILE", help="another list of nodes than config/stack.yaml"
@@ -57,12 +69,14 @@ def world_from(args: argparse.Namespace) -> World:
         raise Kr3Error(f"--seed {args.seed}: expected a number from 0 to {2**31 - 1}")
     place = args.target_at or domain.target.at
     domain.placements_with_target(place)
-    return World(domain, args.seed, place, args.real_time_factor)
+    return World(domain, args.seed, place, args.real_time_factor, args.method, args.told)
 
 
 def stack_variables(world: World, run_dir: Path) -> Dict[str, Any]:
-    """The placeholders of a stack file."""
+    """The placeholders of a stack file. @throws Kr3Error  the robot cannot be told where the target is"""
     return {
+        "method": world.method,
+        "scenario": str(_scenario_file(world, run_dir)),
         "domain_dir": str(world.domain.folder),
         "run_dir": str(run_dir),
         "seed": world.seed,
@@ -70,6 +84,18 @@ def stack_variables(world: World, run_dir: Path) -> Dict[str, Any]:
         "robot_start": world.domain.robot_start,
         "real_time_factor": world.real_time_factor,
     }
+
+
+def _scenario_file(world: World, run_dir: Path) -> Path:
+    """The domain's own, or with a record of where the target is."""
+    if not world.told:
+        return world.domain.scenario_file
+    statement = f"{world.domain.target_fluent()} = {world.target_at}"
+    scenario = yaml.safe_load(world.domain.scenario_file.read_text(encoding="utf-8"))
+    scenario["initial_records"].append({"kind": "init", "statement": statement, "value": True})
+    file = run_dir / "scenario.yaml"
+    file.write_text(yaml.safe_dump(scenario, sort_keys=False), encoding="utf-8")
+    return file
 
 
 def package_config(name: str) -> Path:
@@ -106,6 +132,15 @@ def new_run_dir(kind: str) -> Path:
     raise Kr3Error(f"no free folder name below {base}")
 
 
+def existing_run_dir(folder: Path) -> Path:
+    """The folder that was asked for, made when there is none. @throws Kr3Error  it cannot be made"""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Kr3Error(f"the run's folder {folder} cannot be made: {error.strerror}") from error
+    return folder.resolve()
+
+
 def choose_port(requested: Optional[int], default: Optional[int] = None) -> int:
     """The port asked for, else `default`, else a free one."""
     return requested or default or free_port()
@@ -119,6 +154,7 @@ class RunNote:
         self._content = {"master": uri, "run_dir": str(run_dir), "pid": os.getpid()}
 
     def __enter__(self) -> "RunNote":
+        self._file.parent.mkdir(exist_ok=True)
         self._file.write_text(json.dumps(self._content) + "\n", encoding="utf-8")
         return self
 

@@ -34,6 +34,9 @@ _COMMANDS: Dict[str, Command] = {
     "experiment": Command(
         "experiment.command", "run an experiment of the paper, and write its report"
     ),
+    "bench_experiments": Command(
+        "experiment.bench", "print the figures of stored experiments beside their goals"
+    ),
     "doctor": Command("doctor", "say what would not work on this machine"),
 }
 

@@ -10,10 +10,12 @@ import rospy
 from kr3_msgs.msg import AchieveResult, Status
 
 from kr3_experiments.bringup import (
+    METHODS,
     RunNote,
     World,
     add_world_options,
     choose_port,
+    existing_run_dir,
     new_run_dir,
     start_stack,
     world_from,
@@ -33,6 +35,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     add_world_options(parser)
     parser.add_argument("--goal", help="another goal than the scenario's")
+    parser.add_argument(
+        "--run-dir",
+        type=Path,
+        metavar="DIR",
+        help="where the results go (default: a new one in runs/)",
+    )
     parser.add_argument("--no-bag", action="store_true", help="record nothing")
     parser.add_argument(
         "--time-limit",
@@ -49,14 +57,16 @@ def run(args: argparse.Namespace) -> int:
     world = world_from(args)
     world.domain.require_map()
     profile = None if args.no_bag else load_profile(repository_root() / "rosbag" / "mission.yaml")
-    run_dir = new_run_dir("demo")
+    run_dir = new_run_dir("demo") if args.run_dir is None else existing_run_dir(args.run_dir)
     if profile is not None:
         require_space(run_dir, profile.min_free_mb)
     goal = args.goal or world.domain.goal
-    terminal.heading(f"KR3 demo: domain {world.domain.name}, seed {world.seed}")
+    by = "" if world.method == METHODS[0] else f", method {world.method}"
+    terminal.heading(f"KR3 demo: domain {world.domain.name}, seed {world.seed}{by}")
     terminal.detail(f"goal: {goal}")
     terminal.detail(
-        f"in truth {world.domain.target.object} is in {world.target_at} (the robot does not know)"
+        f"in truth {world.domain.target.object} is in {world.target_at}"
+        f" (the robot {'is told' if world.told else 'does not know'})"
     )
     terminal.heading("Starting the stack")
     started = time.monotonic()
@@ -163,6 +173,7 @@ def _conclude(
     figures: Dict[str, Any] = {
         "seed": world.seed,
         "target_at": world.target_at,
+        "method": world.method,
         "high_level_actions": result.hl_actions,
         "low_level_actions": result.ll_actions,
         "stack_start_s": start_s,
@@ -187,7 +198,13 @@ def _conclude(
     )
     write_report(record, run_dir / "report.html")
     write_events(observers.follower.events, run_dir / "events.jsonl")
-    summary = {"success": verdict.success, "reason": verdict.reason, "goal": goal, **figures}
+    summary = {
+        "success": verdict.success,
+        "declared": bool(result.achieved),
+        "reason": verdict.reason,
+        "goal": goal,
+        **figures,
+    }
     (run_dir / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
     terminal.heading("Result")
     for name, value in figures.items():

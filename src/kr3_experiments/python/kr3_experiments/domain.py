@@ -1,5 +1,6 @@
 """A domain's folder as bring-up and demo see it: its files and its scenario. Knows no ROS."""
 import os
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Mapping
@@ -73,6 +74,21 @@ class Domain:
             )
         placements = {**self.placements, self.target.object: place}
         return [f"{item}={where}" for item, where in sorted(placements.items())]
+
+    def target_fluent(self) -> str:
+        """The fluent that says where the target is, as the goal writes it: "f(x)" of "f(x) = place".
+
+        @throws Kr3Error  the goal does not say where the target has to be
+        """
+        target = self.target
+        pattern = rf"(\w+\([^()]*\b{re.escape(target.object)}\b[^()]*\))\s*=\s*{re.escape(target.goal_place)}\b"
+        found = re.search(pattern, self.goal)
+        if found is None:
+            raise Kr3Error(
+                f"{self.scenario_file}: the goal '{self.goal}' does not say that"
+                f" {target.object} has to be at {target.goal_place}"
+            )
+        return found.group(1)
 
     def require_map(self) -> None:
         """@throws Kr3Error  the domain has no map yet"""

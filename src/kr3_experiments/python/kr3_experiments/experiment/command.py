@@ -15,13 +15,19 @@ from kr3_experiments.experiment.definition import Experiment, Findings, Options
 from kr3_experiments.experiment.planning_time import PlanningTime
 from kr3_experiments.experiment.points import Configuration, configurations
 from kr3_experiments.experiment.report import head, section, write_report
-from kr3_experiments.experiment.rows import RowStore
+from kr3_experiments.experiment.robot import Robot
+from kr3_experiments.experiment.rows import Row, RowStore
 from kr3_experiments.experiment.sweep import Executor, LocalExecutor, Work, commit, run_sweep
 from kr3_experiments.experiment.worker import trials_program
 
 _TRIALS: Sequence[Experiment] = (Accuracy(), Defaults(), DefaultBias())
-_EXPERIMENTS: Dict[str, Union[Experiment, PlanningTime]] = {
-    experiment.name: experiment for experiment in (*_TRIALS, PlanningTime())
+_MEASURED = (
+    PlanningTime(),
+    Robot(),
+)  # these have processes of their own, and no trials of kr3_trials
+AnyExperiment = Union[Experiment, PlanningTime, Robot]
+_EXPERIMENTS: Dict[str, AnyExperiment] = {
+    experiment.name: experiment for experiment in (*_TRIALS, *_MEASURED)
 }
 
 
@@ -115,31 +121,56 @@ def _executor(args: argparse.Namespace, out: Path) -> Iterator[Optional[Executor
     yield LocalExecutor(trials_program(), args.jobs, out / "policies")
 
 
+def experiment_named(name: str) -> AnyExperiment:
+    """@throws Kr3Error  there is none of this name"""
+    if name not in _EXPERIMENTS:
+        raise Kr3Error(f"unknown experiment '{name}'; there are {', '.join(_EXPERIMENTS)}, all")
+    return _EXPERIMENTS[name]
+
+
+def stored_rows(experiment: AnyExperiment, options: Options, folder: Path) -> List[Row]:
+    """The rows that are there. @throws Kr3Error  there are none"""
+    if not (folder / "rows.csv").exists():
+        raise Kr3Error(f"'{folder}' has no rows of {experiment.name}: run it first")
+    if isinstance(experiment, (PlanningTime, Robot)):
+        return experiment.measure(folder, options, run=False)
+    store = RowStore(folder, experiment.labels)
+    points = configurations(experiment.points(options), folder / "floors")
+    return store.of([point.digest for point in points])
+
+
 def _results(
-    experiment: Union[Experiment, PlanningTime],
-    options: Options,
-    folder: Path,
-    executor: Optional[Executor],
+    experiment: AnyExperiment, options: Options, folder: Path, executor: Optional[Executor]
 ) -> Tuple[Findings, List[str]]:
     """The findings, and notes about the rows."""
-    if isinstance(experiment, PlanningTime):
-        rows = experiment.measure(folder, options)
-        return experiment.findings(rows, options), [f"raw rows: {len(rows)}, in rows.csv"]
+    notes: List[str] = []
+    wanted = 0
+    if executor is not None:
+        wanted, notes = _run_missing(experiment, options, folder, executor)
+    rows = stored_rows(experiment, options, folder)
+    if not rows:
+        raise Kr3Error(f"'{folder}' has no rows of {experiment.name}: run it first")
+    if len(rows) < wanted:
+        notes.append(
+            f"{wanted - len(rows)} trials are missing: the figures are of those that are there"
+        )
+    notes.append(f"raw rows: {len(rows)}, in rows.csv")
+    return experiment.findings(rows, options), notes
+
+
+def _run_missing(
+    experiment: AnyExperiment, options: Options, folder: Path, executor: Executor
+) -> Tuple[int, List[str]]:
+    """@return how many trials there should be, and notes about what was done"""
+    if isinstance(experiment, (PlanningTime, Robot)):
+        return len(experiment.measure(folder, options)), []
     store = RowStore(folder, experiment.labels)
     notes = [f"kept aside in {store.rejected_path.name}: {what}" for what in store.rejected]
     for note in notes:
         print(f"  {note}")
     points = configurations(experiment.points(options), folder / "floors")
-    if executor is not None:
-        notes += _work_notes(points, run_sweep(points, store, executor))
-    rows = store.of([point.digest for point in points])
-    missing = sum(len(point.point.all_seeds()) for point in points) - len(rows)
-    if missing:
-        notes.append(f"{missing} trials are missing: the figures are of those that are there")
-    if not rows:
-        raise Kr3Error(f"'{store.path}' has no rows of {experiment.name}: run it first")
-    notes.append(f"raw rows: {len(rows)}, in rows.csv; each names the hashes of its policies")
-    return experiment.findings(rows, options), notes
+    notes += _work_notes(points, run_sweep(points, store, executor))
+    return sum(len(point.point.all_seeds()) for point in points), notes
 
 
 def _work_notes(points: Sequence[Configuration], work: Dict[str, Work]) -> List[str]:

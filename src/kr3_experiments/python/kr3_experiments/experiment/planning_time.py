@@ -81,7 +81,7 @@ class PlanningTime:
         objects = _QUICK_OBJECTS if options.quick else _OBJECTS
         return [_Setting(*values) for values in itertools.product(rooms, objects, _KNOWLEDGE)]
 
-    def measure(self, folder: Path, options: Options) -> List[Row]:
+    def measure(self, folder: Path, options: Options, run: bool = True) -> List[Row]:
         """Run what is missing, one process at a time: neighbours would disturb the figures.
 
         @throws Kr3Error  the planner fails, or the folder cannot be written
@@ -95,6 +95,8 @@ class PlanningTime:
             for i in range(count)
             if not store.has(setting.digest, i)
         ]
+        if not run:
+            return store.of([setting.digest for setting in settings])
         head = commit()
         generator = _rooms_domain()
         quiet = not sys.stderr.isatty()

@@ -10,7 +10,8 @@ from kr3_experiments.errors import Kr3Error
 Row = Dict[str, Any]
 
 
-def _truth(text: str) -> bool:
+def truth_cell(text: str) -> bool:
+    """Reads what `cell` writes of a truth."""
     if text not in ("0", "1"):
         raise ValueError(f"found '{text}', expected 0 or 1")
     return text == "1"
@@ -22,8 +23,8 @@ RESULT_COLUMNS: Dict[str, Callable[[str], Any]] = {
     "commit": str,
     "seed": int,
     "truth": str,
-    "declared": _truth,
-    "goal_true": _truth,
+    "declared": truth_cell,
+    "goal_true": truth_cell,
     "hl_actions": int,
     "ll_actions": int,
     "duration_s": float,

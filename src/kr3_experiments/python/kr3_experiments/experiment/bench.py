@@ -1,0 +1,150 @@
+"""`./kr3 bench experiments`: the figures of GOALS.md, section 4, from rows that are there."""
+import argparse
+import json
+import os
+import platform
+import sys
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Optional, Sequence
+
+from kr3_experiments.domain import repository_root
+from kr3_experiments.errors import Kr3Error
+from kr3_experiments.experiment.command import experiment_named, stored_rows
+from kr3_experiments.experiment.definition import Options, false_declarations, select, success_of
+from kr3_experiments.experiment.robot import times_of_pairs
+from kr3_experiments.experiment.rows import Row
+from kr3_experiments.experiment.sweep import commit
+
+
+@dataclass
+class Figure:
+    """A row of the bench's JSON."""
+
+    name: str
+    value: float
+    unit: str
+    goal: Optional[float]
+    better: str
+    params: Dict[str, Any] = field(default_factory=dict)
+
+    def line(self) -> str:
+        """For people."""
+        goal = "" if self.goal is None else f"  goal {self.goal:g}"
+        met = ""
+        if self.goal is not None:
+            reached = self.value <= self.goal if self.better == "lower" else self.value >= self.goal
+            met = "  met" if reached else "  NOT met"
+        params = ", ".join(f"{key} {value}" for key, value in self.params.items())
+        return f"  {self.name:<34} {self.value:>9.4g} {self.unit:<6}{goal}{met}  {params}"
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument("--quick", action="store_true", help="rows of --quick experiments")
+    parser.add_argument("--trials", type=int, default=0, help="as the experiments were run with")
+    parser.add_argument("--seed", type=int, default=Options.seed, help="likewise")
+    parser.add_argument("--out", type=Path, help="folder of the rows (default: runs/experiments)")
+    parser.add_argument("--json", type=Path, help="write the figures to this file")
+
+
+def run(args: argparse.Namespace) -> int:
+    """@return 1 when no experiment has rows. @throws Kr3Error  the file cannot be written"""
+    options = Options(quick=args.quick, seed=args.seed, trials=args.trials)
+    out = args.out or repository_root() / "runs" / ("experiments" + "_quick" * args.quick)
+    figures: List[Figure] = []
+    for name, figures_of in _FIGURES.items():
+        try:
+            rows = stored_rows(experiment_named(name), options, out / name)
+        except Kr3Error as error:
+            print(f"{name}: {error}", file=sys.stderr)
+            continue
+        print(f"{name}: {len(rows)} rows")
+        found = figures_of(rows)
+        figures += found
+        for figure in found:
+            print(figure.line())
+    if args.json:
+        content = {
+            "bench": "experiments",
+            "commit": commit(),
+            "machine": f"{platform.node()} {platform.machine()} {os.cpu_count()} cores",
+            "rows": [asdict(figure) for figure in figures],
+        }
+        try:
+            args.json.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise Kr3Error(f"cannot write '{args.json}': {error.strerror}") from error
+    return 0 if figures else 1
+
+
+def _accuracy(rows: Sequence[Row]) -> List[Figure]:
+    """PA's success at each size; where each budget of POMDP-1 falls behind."""
+    figures = []
+    for noise in sorted({row["noise"] for row in rows}):
+        here = select(rows, noise=noise)
+        pa = select(here, method="pa")
+        for cells in sorted({row["cells"] for row in pa}):
+            group = select(pa, cells=cells)
+            params = {"cells": cells, "noise": noise, "trials": len(group)}
+            goal = 0.95 if cells <= 400 else None
+            figures.append(
+                Figure("PA, success", success_of(group).value, "", goal, "higher", params)
+            )
+        for budget in sorted({row["budget"] for row in select(here, method="pomdp1")}):
+            flat = select(here, method="pomdp1", budget=budget)
+            behind = [
+                cells
+                for cells in sorted({row["cells"] for row in flat})
+                if success_of(select(flat, cells=cells)).high
+                < success_of(select(pa, cells=cells)).low
+            ]
+            params = {"backups": budget, "noise": noise}
+            if behind:
+                figures.append(
+                    Figure("POMDP-1 falls behind at", behind[0], "cells", None, "higher", params)
+                )
+    return figures
+
+
+def _defaults(rows: Sequence[Row]) -> List[Figure]:
+    figures = []
+    for method in ("pa", "pa_star"):
+        mine = select(rows, method=method)
+        params = {"method": method, "trials": len(mine)}
+        figures.append(
+            Figure("success, all points", success_of(mine).value, "", None, "higher", params)
+        )
+        figures.append(
+            Figure("false declarations", false_declarations(mine), "", 0, "lower", params)
+        )
+    return figures
+
+
+def _robot(rows: Sequence[Row]) -> List[Figure]:
+    figures = []
+    for first, second, goal, better in (
+        ("hierarchical", "pa", 1.64, "higher"),
+        ("pa", "oracle", 1.3, "lower"),
+    ):
+        result = times_of_pairs(rows, first, second)
+        if result is None:
+            continue
+        params = {
+            "pairs": result.pairs,
+            "interval": [result.ratio.low, result.ratio.high],
+            "wilcoxon_p": result.wilcoxon_p,
+        }
+        name = f"time, {first} by {second}"
+        # The first goal is what the paper found, to be compared with.
+        figures.append(Figure(name, result.ratio.value, "", goal, better, params))
+    lost = sum(not row["success"] for row in rows)
+    figures.append(Figure("missions lost", lost, "", 0, "lower", {"missions": len(rows)}))
+    return figures
+
+
+_FIGURES: Dict[str, Callable[[Sequence[Row]], List[Figure]]] = {
+    "accuracy": _accuracy,
+    "defaults": _defaults,
+    "robot": _robot,
+}

@@ -1,0 +1,169 @@
+"""What experiments make of rows whose truth is known."""
+import json
+from pathlib import Path
+from typing import Any, Dict, List
+
+import pytest
+
+from kr3_experiments.cli import main
+from kr3_experiments.domain import load_domain, repository_root
+from kr3_experiments.errors import Kr3Error
+from kr3_experiments.experiment import bench, command
+from kr3_experiments.experiment.accuracy import Accuracy
+from kr3_experiments.experiment.defaults import Defaults
+from kr3_experiments.experiment.definition import Options, Table, plot, save_figures
+from kr3_experiments.experiment.points import TargetRule
+from kr3_experiments.experiment.report import table_text, write_report
+from kr3_experiments.experiment.robot import Robot
+from kr3_experiments.experiment.rows import RowStore
+
+QUICK = Options(quick=True, trials=8)
+
+
+def outcome(seed: int, success: bool = True, **more: Any) -> Dict[str, Any]:
+    row = {
+        "config": "c",
+        "commit": "abc",
+        "seed": seed,
+        "truth": "",
+        "declared": True,
+        "goal_true": success,
+        "hl_actions": 4,
+        "ll_actions": 9,
+        "duration_s": 50.0 + seed,
+        "backups": 0,
+        "policies": "",
+        "reason": "",
+    }
+    return {**row, **more}
+
+
+def accuracy_rows(flat_succeeds: bool) -> List[Dict[str, Any]]:
+    rows = []
+    for method, budget, success in (("pa", 20_000, True), ("pomdp1", 2_000, flat_succeeds)):
+        label = {"method": method, "rooms": 2, "cells": 8, "noise": 1.0, "budget": budget}
+        rows += [outcome(seed, success, **label) for seed in range(8)]
+    return rows
+
+
+def test_accuracy_says_who_is_better_only_where_pairs_show_it() -> None:
+    found = Accuracy().findings(accuracy_rows(flat_succeeds=False), QUICK)
+    assert "as the paper says" in found.statements[0]
+    assert found.tables[0].rows[1][5] == "8"  # false declarations of POMDP-1
+    found = Accuracy().findings(accuracy_rows(flat_succeeds=True), QUICK)
+    assert "no difference is shown" in found.statements[0]
+
+
+def test_defaults_says_when_the_paper_is_contradicted() -> None:
+    rows = []
+    for rooms in (4, 6):
+        for method, actions in (("pa", 9), ("pa_star", 6)):
+            label = {"method": method, "rooms": rooms, "share": 0.8}
+            rows += [outcome(seed, hl_actions=actions, **label) for seed in range(8)]
+    found = Defaults().findings(rows, QUICK)
+    assert all("against the paper, defaults cost actions" in text for text in found.statements)
+    assert "1.50 (1.50, 1.50)" in found.statements[0]
+
+
+def robot_rows() -> List[Dict[str, Any]]:
+    rows = []
+    for building in ("a", "b"):
+        for method, factor in (("pa", 1.0), ("hierarchical", 1.5), ("oracle", 0.8)):
+            for seed in range(6):
+                row = outcome(seed, building=building, method=method, contacts=0, success=True)
+                row["success"] = not (method == "hierarchical" and seed == 3)
+                row["duration_s"] *= factor
+                rows.append(row)
+    return rows
+
+
+def test_robot_pairs_missions_and_lists_every_failure() -> None:
+    found = Robot().findings(robot_rows(), QUICK)
+    assert "hierarchical POMDP-1 takes 1.50 (1.50, 1.50) times as long as PA over 12 pairs" in (
+        found.statements[0]
+    )
+    assert "PA takes 1.25 (1.25, 1.25) times as long as oracle" in found.statements[1]
+    assert found.statements[2] == "2 of 36 missions failed."
+    assert [row[2] for row in found.tables[1].rows] == ["3", "3"]
+
+
+def test_bench_tells_goals_that_are_missed(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = [figure.line() for figure in bench._robot(robot_rows())]
+    assert "met" in lines[1] and "NOT" not in lines[1]
+    assert "NOT met" in lines[2]  # missions lost
+
+
+def test_targets_obey_as_often_as_they_should_and_the_rest_is_spread() -> None:
+    rule = TargetRule(rooms=5, usual="r2", share=0.8)
+    rooms = [rule.room(seed) for seed in range(4000)]
+    assert rooms.count("r2") / 4000 == pytest.approx(0.8, abs=0.02)
+    for other in ("r1", "r3", "r4", "r5"):
+        assert rooms.count(other) / 4000 == pytest.approx(0.05, abs=0.012)
+    assert {TargetRule(rooms=3).room(seed) for seed in range(100)} == {"r1", "r2", "r3"}
+
+
+def test_a_report_has_its_figures_and_tables(tmp_path: Path) -> None:
+    found = Accuracy().findings(accuracy_rows(flat_succeeds=True), QUICK)
+    lines = ["# T", *table_text(Table("N", ["a", "b"], [["1", "2"]]))]
+    page = write_report(tmp_path, "T", lines, found)
+    assert "<td>2</td>" in page.read_text()
+    assert (tmp_path / "accuracy_noise_1.png").stat().st_size > 5000
+    with pytest.raises(Kr3Error, match="cannot write the report"):
+        write_report(page, "T", lines, found)
+
+
+def test_an_interval_without_end_can_be_drawn(tmp_path: Path) -> None:
+    found = Defaults().findings(
+        [
+            outcome(0, method=method, rooms=rooms, share=0.8)
+            for method in ("pa", "pa_star")
+            for rooms in (4, 6)
+            for _ in range(1)
+        ]
+        + [
+            outcome(1, method=method, rooms=rooms, share=0.8)
+            for method in ("pa", "pa_star")
+            for rooms in (4, 6)
+        ],
+        QUICK,
+    )
+    save_figures({**found.figures, "empty": plot([], "x", "y")}, tmp_path)
+    assert (tmp_path / "defaults_hl_actions_by_rooms.png").exists()
+
+
+@pytest.mark.parametrize(
+    "arguments, what",
+    [
+        (["nonsense"], "unknown experiment 'nonsense'; there are accuracy"),
+        (["accuracy", "--trials", "-1"], "--trials: found -1, expected a number from 0"),
+        (["accuracy", "--jobs", "0"], "--jobs: found 0"),
+        (["accuracy", "--report-only", "--out", "/nowhere"], "has no rows of accuracy"),
+    ],
+)
+def test_bad_requests_are_refused_in_words(
+    arguments: List[str], what: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["experiment", *arguments]) == 1
+    assert what in capsys.readouterr().err
+
+
+def test_rows_of_other_points_do_not_count(tmp_path: Path) -> None:
+    store = RowStore(tmp_path / "accuracy", Accuracy().labels)
+    label = {"method": "pa", "rooms": 2, "cells": 8, "noise": 1.0, "budget": 1}
+    store.add([outcome(1, **label)])
+    assert command.stored_rows(Accuracy(), QUICK, tmp_path / "accuracy") == []
+
+
+def test_bench_writes_the_common_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench, "stored_rows", lambda *_: robot_rows())
+    monkeypatch.setattr(bench, "_FIGURES", {"robot": bench._robot})
+    assert main(["bench_experiments", "--json", str(tmp_path / "b.json")]) == 0
+    content = json.loads((tmp_path / "b.json").read_text())
+    assert content["bench"] == "experiments" and content["commit"]
+    assert {"name", "value", "unit", "goal", "better", "params"} <= content["rows"][0].keys()
+
+
+def test_the_goal_says_which_fluent_an_oracle_is_told() -> None:
+    for folder in sorted((repository_root() / "domains").glob("*/building.yaml")):
+        domain = load_domain(folder.parent.name, repository_root())
+        assert domain.target.object in domain.target_fluent()
