@@ -189,6 +189,20 @@ double Physics::castRay(const Vector3& origin, const Vector3& direction, double 
   return nearest;
 }
 
+std::vector<dGeomID> Physics::solids() const
+{
+  std::vector<dGeomID> geoms;
+  for (const GeomHandle& box : boxes_)
+  {
+    geoms.push_back(box.get());
+  }
+  for (int i = 0; i < dSpaceGetNumGeoms(objects_.get()); ++i)
+  {
+    geoms.push_back(dSpaceGetGeom(objects_.get(), i));
+  }
+  return geoms;
+}
+
 void setPose(dBodyID body, const Pose& pose)
 {
   const dQuaternion q = {pose.orientation.w, pose.orientation.x, pose.orientation.y,

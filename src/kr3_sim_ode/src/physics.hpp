@@ -46,6 +46,9 @@ public:
   [[nodiscard]] double castRay(const Vector3& origin, const Vector3& direction, double max_range_m,
                                bool with_objects) const;
 
+  /// The geoms of walls, furniture and objects.
+  [[nodiscard]] std::vector<dGeomID> solids() const;
+
 private:
   static void onNear(void* self, dGeomID a, dGeomID b);
   void collide(dGeomID a, dGeomID b);

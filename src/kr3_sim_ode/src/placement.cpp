@@ -126,29 +126,16 @@ std::vector<ObjectState> placedObjects(const Building& building,
   return objects;
 }
 
-double floorClearance(const Building& building, double x, double y)
-{
-  double clearance = std::numeric_limits<double>::infinity();
-  for (const Box& wall : wallsOf(building))
-  {
-    clearance = std::min(clearance, planarDistance(wall, x, y));
-  }
-  for (const Furniture& furniture : building.furniture)
-  {
-    clearance = std::min(clearance, planarDistance(furniture.box(), x, y));
-  }
-  return clearance;
-}
-
 Pose2 freeFloorPose(const Building& building, const std::string& place, double clearance_m,
                     std::mt19937_64& generator)
 {
   const Rectangle& r = building.place(place).rectangle;
+  const Obstacles obstacles(building);
   for (int attempt = 0; attempt < kAttempts; ++attempt)
   {
     const double x = uniform(generator, r.x0, r.x1);
     const double y = uniform(generator, r.y0, r.y1);
-    if (floorClearance(building, x, y) >= clearance_m)
+    if (obstacles.clearance(x, y, clearance_m) >= clearance_m)
     {
       return {x, y, uniform(generator, -3.14159265358979, 3.14159265358979)};
     }

@@ -12,6 +12,7 @@
 #include "object_body.hpp"
 #include "physics.hpp"
 #include "robot_body.hpp"
+#include "world_octomap.hpp"
 
 namespace kr3::sim
 {
@@ -39,7 +40,8 @@ class World::Impl
 public:
   Impl(const Building& building, const std::vector<ObjectModel>& models,
        const std::vector<ObjectState>& objects, const Pose2& robot_start, const WorldConfig& config)
-    : config_(config)
+    : building_(building)
+    , config_(config)
     , models_(models)
     , physics_(building, config.seed, config.time_step_s)
     , robot_(physics_, config.robot, robot_start)
@@ -133,6 +135,7 @@ public:
     return states;
   }
 
+  Building building_;
   WorldConfig config_;
   std::vector<ObjectModel> models_;
   Physics physics_;
@@ -231,6 +234,13 @@ std::optional<std::string> World::held() const
 {
   const ObjectBody* const body = impl_->gripper_.held();
   return body == nullptr ? std::nullopt : std::make_optional(body->name());
+}
+
+std::vector<std::uint8_t> World::octomap(const OctomapOptions& options) const
+{
+  const ObjectBody* const held = impl_->gripper_.held();
+  return octomapOf(impl_->building_, impl_->physics_, held == nullptr ? nullptr : held->body(),
+                   options);
 }
 
 bool World::closeGripper()

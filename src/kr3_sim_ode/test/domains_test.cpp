@@ -1,6 +1,8 @@
-// Every building in domains/ can be lived in: objects fit, the robot reaches them and every quarter
-// of every room.
+// Every building in domains/, and what scripts/make_building.py writes, can be lived in: objects
+// fit, the robot reaches them and every quarter of every room.
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <queue>
 #include <set>
@@ -35,6 +37,18 @@ std::vector<std::string> domains()
   return paths;
 }
 
+/// Folder of a building of `rooms` rooms that the generator writes, once; "" when it fails.
+std::string generated(const std::string& layout, int rooms)
+{
+  const std::string folder = testing::TempDir() + "/kr3_sim_ode_" + layout;
+  const std::string command = std::string("/usr/bin/python3 ") + KR3_DOMAINS_DIR +
+                              "/../scripts/make_building.py " + folder + " --rooms " +
+                              std::to_string(rooms) + " --layout " + layout +
+                              " --objects 8 --seed 11 --looks " + KR3_DOMAINS_DIR + "/floor_a";
+  static std::set<std::string> written;
+  return !written.insert(folder).second || std::system(command.c_str()) == 0 ? folder : "";
+}
+
 struct GridPoint
 {
   int i;
@@ -50,6 +64,7 @@ std::set<GridPoint> reachableFloor(const Building& building)
 {
   const GridPoint start{static_cast<int>(std::lround(building.robot_start.x / kCell)),
                         static_cast<int>(std::lround(building.robot_start.y / kCell))};
+  const Obstacles obstacles(building);
   std::set<GridPoint> reached{start};
   std::queue<GridPoint> open({start});
   while (!open.empty())
@@ -61,7 +76,7 @@ std::set<GridPoint> reachableFloor(const Building& building)
     {
       const GridPoint next{point.i + di, point.j + dj};
       if (reached.count(next) == 0 && building.placeAt(next.x(), next.y()) != nullptr &&
-          floorClearance(building, next.x(), next.y()) >= kRobotRadius)
+          obstacles.clearance(next.x(), next.y(), kRobotRadius) >= kRobotRadius)
       {
         reached.insert(next);
         open.push(next);
@@ -72,14 +87,35 @@ std::set<GridPoint> reachableFloor(const Building& building)
 }
 }  // namespace
 
-class Domain : public testing::TestWithParam<std::string>
+struct Origin
+{
+  std::string folder;  ///< empty: the generator writes it
+  std::string layout;
+  int rooms = 0;
+};
+
+std::vector<Origin> origins()
+{
+  std::vector<Origin> all{{"", "wings", 20}, {"", "ring", 8}, {"", "hall", 7}};
+  for (const std::string& folder : domains())
+  {
+    all.push_back({folder, "", 0});
+  }
+  return all;
+}
+
+class Domain : public testing::TestWithParam<Origin>
 {
 protected:
   Domain()
-    : building(loadBuilding(GetParam() + "/building.yaml"))
-    , models(loadObjectModels(GetParam() + "/objects.yaml"))
+    : folder(GetParam().folder.empty() ? generated(GetParam().layout, GetParam().rooms)
+                                       : GetParam().folder)
+    , building(loadBuilding(folder + "/building.yaml"))
+    , models(loadObjectModels(folder + "/objects.yaml"))
   {
   }
+
+  std::string folder;
 
   Building building;
   std::vector<ObjectModel> models;
@@ -126,11 +162,10 @@ TEST_P(Domain, PlacesObjectsInTheirPlaceOnFurnitureApartAndWithinReach)
                         p.z > furniture.size.z && p.z < furniture.size.z + 0.3;
       }
       EXPECT_TRUE(on_furniture) << objects[i].name << " seed " << seed;
-      bool within_reach = false;
-      for (const GridPoint& point : reached)
-      {
-        within_reach |= std::hypot(point.x() - p.x, point.y() - p.y) < robot.reach_m - 0.05;
-      }
+      const bool within_reach =
+          std::any_of(reached.begin(), reached.end(), [&](const GridPoint& point) {
+            return std::hypot(point.x() - p.x, point.y() - p.y) < robot.reach_m - 0.05;
+          });
       EXPECT_TRUE(within_reach) << objects[i].name << " seed " << seed;
       for (std::size_t j = 0; j < i; ++j)
       {
@@ -155,6 +190,10 @@ TEST_P(Domain, TakesEveryObjectInEveryFurnishedPlace)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Domain, testing::ValuesIn(domains()));
+INSTANTIATE_TEST_SUITE_P(All, Domain, testing::ValuesIn(origins()),
+                         [](const testing::TestParamInfo<Origin>& origin) {
+  const std::filesystem::path folder = origin.param.folder;
+  return folder.empty() ? "generated_" + origin.param.layout : folder.filename().string();
+});
 
 }  // namespace kr3::sim

@@ -7,6 +7,8 @@
 
 #include <kr3_common/error.hpp>
 
+#include "kr3_sim_ode/random.hpp"
+
 namespace kr3::sim
 {
 
@@ -88,9 +90,32 @@ TEST_F(Placement, DrawsFreeFloor)
   {
     const Pose2 pose = freeFloorPose(building, "right", 0.4, generator);
     EXPECT_EQ(building.placeAt(pose.x, pose.y)->name, "right");
-    EXPECT_GE(floorClearance(building, pose.x, pose.y), 0.4);
+    EXPECT_GE(Obstacles(building).clearance(pose.x, pose.y, 1.0), 0.4);
   }
   EXPECT_THROW((void)freeFloorPose(building, "right", 3.0, generator), FailedPrecondition);
+}
+
+TEST(Obstacles, HaveTheClearanceOfTheNearestBox)
+{
+  const Building building = loadBuilding(kData + "two_rooms.yaml");
+  std::vector<Box> boxes = wallsOf(building);
+  for (const Furniture& furniture : building.furniture)
+  {
+    boxes.push_back(furniture.box());
+  }
+  const Obstacles obstacles(building);
+  std::mt19937_64 generator(3);
+  for (int i = 0; i < 500; ++i)
+  {
+    const double x = uniform(generator, -3.0, 11.0);  // outside of the building too
+    const double y = uniform(generator, -3.0, 7.0);
+    double nearest = 1.5;
+    for (const Box& box : boxes)
+    {
+      nearest = std::min(nearest, planarDistance(box, x, y));
+    }
+    EXPECT_DOUBLE_EQ(obstacles.clearance(x, y, 1.5), nearest) << x << " " << y;
+  }
 }
 
 }  // namespace kr3::sim

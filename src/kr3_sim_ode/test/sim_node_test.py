@@ -21,7 +21,7 @@ from kr3_msgs.srv import (
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, LaserScan
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, UInt8MultiArray
 from std_srvs.srv import Trigger
 
 DATA = pathlib.Path(__file__).resolve().parent / "data"
@@ -117,6 +117,13 @@ class SimNodeTest(unittest.TestCase):
         self.assertFalse(rospy.wait_for_message("gripper/holding", Bool, TIMEOUT).data)
         self.assertEqual([m.name for m in self.models.messages[-1].models], ["book", "cup"])
         self.assertGreater(self.state.next().real_time_factor, 0.0)
+
+    def test_tells_the_world_as_an_octomap_and_again_after_changes(self):
+        octomap = Collector("ground_truth/octomap_binary", UInt8MultiArray)
+        before = bytes(octomap.next().data)
+        self.assertTrue(before.startswith(b"# Octomap OcTree binary file"))
+        self.set_pose("cup", 6.0, 1.0, 0.06)
+        self.assertNotEqual(bytes(octomap.next().data), before)
 
     def test_drives_and_stops_without_commands(self):
         self.set_pose("robot", 1.0, 2.0, 0.0)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <random>
 #include <string>
 #include <vector>
@@ -50,7 +51,25 @@ struct ObjectState
 [[nodiscard]] Pose2 freeFloorPose(const Building& building, const std::string& place,
                                   double clearance_m, std::mt19937_64& generator);
 
-/// The distance on the floor from a point to the nearest wall or piece of furniture.
-[[nodiscard]] double floorClearance(const Building& building, double x, double y);
+/// What stands on the floor of a building: its walls and furniture, for many questions about one
+/// building. A value; threads may share a constant one.
+class Obstacles
+{
+public:
+  explicit Obstacles(const Building& building);
+
+  /// The distance on the floor from a point to the nearest wall or piece of furniture, at most
+  /// `limit_m`, m. Cost: independent of the size of the building for limits of a few metres.
+  [[nodiscard]] double clearance(double x, double y, double limit_m) const;
+
+private:
+  static constexpr double kBucket = 4.0;  // m
+
+  std::vector<Box> boxes_;
+  Rectangle extent_;
+  int columns_ = 1;
+  int rows_ = 1;
+  std::vector<std::vector<std::uint32_t>> buckets_;  // boxes that touch each square, row-major
+};
 
 }  // namespace kr3::sim

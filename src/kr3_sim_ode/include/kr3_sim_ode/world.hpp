@@ -8,6 +8,7 @@
 
 #include "kr3_sim_ode/building.hpp"
 #include "kr3_sim_ode/object_model.hpp"
+#include "kr3_sim_ode/octomap.hpp"
 #include "kr3_sim_ode/odometry.hpp"
 #include "kr3_sim_ode/placement.hpp"
 #include "kr3_sim_ode/robot.hpp"
@@ -74,6 +75,13 @@ public:
 
   [[nodiscard]] std::vector<ObjectState> objects() const;
   [[nodiscard]] std::optional<std::string> held() const;
+
+  /// The world as a binary OctoMap, the bytes of a `.bt` file: voxels that a wall, a piece of
+  /// furniture or an object reaches into are occupied, the others of the places are free, what is
+  /// outside is unknown. The robot and what it holds are left out.
+  /// @throws InvalidArgument  a value is not finite, the band is empty, or the resolution too fine
+  /// Cost: about 0.3 s for 300 square metres at 0.1 m and 2 m of height.
+  [[nodiscard]] std::vector<std::uint8_t> octomap(const OctomapOptions& options) const;
 
   /// Grasps the object nearest to the grasp point among those in reach that nothing solid hides,
   /// and lifts it.

@@ -15,6 +15,7 @@ constexpr char kOpenGripper[] = "gripper/open";
 constexpr char kHolding[] = "gripper/holding";
 constexpr char kTruePose[] = "ground_truth/pose";
 constexpr char kTrueModels[] = "ground_truth/models";
+constexpr char kTrueOctomap[] = "ground_truth/octomap_binary";
 constexpr char kState[] = "simulation/state";
 constexpr char kPause[] = "simulation/pause";
 constexpr char kResume[] = "simulation/resume";

@@ -47,6 +47,7 @@ SimNode::SimNode(ros::NodeHandle nh, const SimNodeConfig& config)
   , true_pose_(nh_.advertise<nav_msgs::Odometry>(names::kTruePose, 50))
   , true_models_(nh_.advertise<kr3_msgs::ModelStates>(names::kTrueModels, 5, true))
   , state_(nh_.advertise<kr3_msgs::SimulationState>(names::kState, 5))
+  , octomap_(nh_, config.octomap)
   , command_(nh_.subscribe(names::kCommand, 5, &SimNode::onCommand, this))
   , close_(nh_.advertiseService(names::kCloseGripper, &SimNode::onClose, this))
   , open_(nh_.advertiseService(names::kOpenGripper, &SimNode::onOpen, this))
@@ -106,6 +107,7 @@ void SimNode::run()
                   ? ahead + static_cast<double>(tick_steps) * step_s / config_.real_time_factor
                   : 0.0;
     }
+    octomap_.update(*world_);
     publishWallClockState();
   }
 }
@@ -172,6 +174,7 @@ void SimNode::publishCamera()
 
 void SimNode::publishChanges()
 {
+  octomap_.noteChange();
   const bool holding = world_->held().has_value();
   if (published_holding_ != holding)
   {

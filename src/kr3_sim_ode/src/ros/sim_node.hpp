@@ -19,6 +19,7 @@
 #include <kr3_msgs/SpawnModel.h>
 #include <kr3_msgs/StepSimulation.h>
 
+#include "octomap_publisher.hpp"
 #include "sim_node_config.hpp"
 
 namespace kr3::sim
@@ -88,6 +89,7 @@ private:
   ros::Publisher true_pose_;
   ros::Publisher true_models_;
   ros::Publisher state_;
+  OctomapPublisher octomap_;
   ros::Subscriber command_;
   ros::ServiceServer close_;
   ros::ServiceServer open_;

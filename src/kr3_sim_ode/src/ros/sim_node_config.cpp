@@ -52,6 +52,11 @@ SimNodeConfig loadSimNodeConfig(const ros::NodeHandle& private_nh)
   number("grasp_failure_rate", world.grasp_failure_rate, 0.0, 1.0);
   number("gripper_reach", world.robot.reach_m, 0.3, 2.0);
   number("gripper_reach_angle", world.robot.reach_angle_rad, 0.05, 3.1);
+  number("octomap_resolution", config.octomap.resolution_m, 0.01, 1.0);
+  number("octomap_z_min", config.octomap.z_min_m, -1.0, 10.0);
+  number("octomap_z_max", config.octomap.z_max_m, -1.0, 10.0);
+  params.check(config.octomap.z_min_m < config.octomap.z_max_m, "octomap_z_max",
+               "must be above octomap_z_min");
   params.finish();
 
   config.scenario.building = loadBuilding(building_path);

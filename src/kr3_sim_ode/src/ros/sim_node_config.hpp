@@ -13,6 +13,7 @@ struct SimNodeConfig
   Scenario scenario;
   CameraModel camera;
   CameraNoise camera_noise;
+  OctomapOptions octomap;
   double camera_rate_hz = 5.0;
   double real_time_factor = 1.0;   ///< simulated seconds per wall second; 0: as fast as possible
   double command_timeout_s = 0.5;  ///< simulated
