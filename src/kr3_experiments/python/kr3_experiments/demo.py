@@ -138,9 +138,10 @@ def mission_verdict(
         models = observers.world.models
         return models is not None and models.header.stamp >= stamp
 
-    if not stack.spin_until(is_fresh, 10.0):
-        raise StackError("the simulator's ground truth did not arrive")
+    fresh = stack.spin_until(is_fresh, 10.0)
     models = observers.world.models
+    if not fresh or models is None:
+        raise StackError("the simulator's ground truth did not arrive")
     positions = {
         model.name: (model.pose.position.x, model.pose.position.y, model.pose.position.z)
         for model in models.models

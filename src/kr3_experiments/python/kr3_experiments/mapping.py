@@ -1,5 +1,6 @@
 """`./kr3 map`: the mapping phase. The robot drives through the building and navigation_node writes its OctoMap."""
 import argparse
+import os
 from pathlib import Path
 from typing import Any, Dict
 
@@ -62,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
     terminal.line(tour.log_tail(5))
     if tour.exit_code() != 0 or _stamp(output) == before:
         raise Kr3Error(f"no map was written to {output} (see {tour.log})")
-    terminal.verdict(True, f"map written: {output} ({output.stat().st_size / 1000:.0f} kB)")
+    terminal.verdict(True, f"map written: {output} ({os.path.getsize(output) / 1000:.0f} kB)")
     return 0
 
 

@@ -2,7 +2,7 @@
 import socket
 import time
 from pathlib import Path
-from typing import Mapping
+from typing import Any, Mapping
 from xmlrpc.client import ServerProxy
 
 from kr3_experiments.errors import Kr3Error, StackError
@@ -36,8 +36,8 @@ def is_master(uri: str, timeout_s: float = 2.0) -> bool:
     previous = socket.getdefaulttimeout()
     socket.setdefaulttimeout(timeout_s)
     try:
-        code, _, _ = ServerProxy(uri).getPid("/kr3_probe")
-        return code == 1
+        answer: Any = ServerProxy(uri).getPid("/kr3_probe")
+        return bool(answer[0] == 1)
     except Exception:  # noqa: B902  whatever listens there may answer anything at all
         return False
     finally:

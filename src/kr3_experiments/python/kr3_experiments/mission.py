@@ -6,6 +6,7 @@ from typing import Callable, Dict, List, Optional, Tuple
 
 import actionlib
 import cv2
+import numpy as np
 import rospy
 from actionlib_msgs.msg import GoalStatus
 from cv_bridge import CvBridge
@@ -45,8 +46,9 @@ class EventFollower:
         )
 
     def _on_message(self, message: MissionEvent) -> None:
+        stamp_s: float = message.header.stamp.to_sec()
         if self._start_s is None or message.sequence == 0:
-            self._start_s = message.header.stamp.to_sec()
+            self._start_s = stamp_s
         event = event_from_message(message, self._start_s)
         self.events.append(event)
         self._on_event(event)
@@ -65,9 +67,8 @@ class LookCollector:
     """
 
     def __init__(self) -> None:
-        self.found_image: Optional[
-            object
-        ] = None  # CV_8UC3, BGR: of the last search that saw its object
+        # CV_8UC3, BGR: of the last search that saw its object
+        self.found_image: Optional[np.ndarray] = None
         self.found_what: List[str] = []  # arguments of that search
         self._bridge = CvBridge()
         self._lock = threading.Lock()
@@ -199,9 +200,12 @@ def achieve(
     client = actionlib.ActionClient("executive/achieve", AchieveAction)
     connected = threading.Event()
     # Its own timeout is in simulated time, which may stand still.
-    threading.Thread(
-        target=lambda: client.wait_for_server() and connected.set(), daemon=True
-    ).start()
+
+    def connect() -> None:
+        if client.wait_for_server():
+            connected.set()
+
+    threading.Thread(target=connect, daemon=True).start()
     if not stack.spin_until(connected.is_set, 15.0):
         raise StackError("executive/achieve does not answer")
     finished = threading.Event()

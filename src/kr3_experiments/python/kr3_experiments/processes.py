@@ -56,18 +56,24 @@ class ManagedProcess:
             )
 
     @property
+    def _started(self) -> "subprocess.Popen[bytes]":
+        if self._popen is None:
+            raise RuntimeError("the process was not started")
+        return self._popen
+
+    @property
     def pid(self) -> int:
         """Process id, which is also the id of its group."""
-        return self._popen.pid
+        return self._started.pid
 
     def exit_code(self) -> Optional[int]:
         """None while it runs; negative: the number of the signal that ended it."""
-        return self._popen.poll()
+        return self._started.poll()
 
     def signal_group(self, number: int) -> bool:
         """Send a signal to the whole group. False: nobody is left in it."""
         try:
-            os.killpg(self._popen.pid, number)
+            os.killpg(self._started.pid, number)
         except ProcessLookupError:
             return False
         except PermissionError:  # only zombies that are not ours are left
@@ -76,7 +82,7 @@ class ManagedProcess:
 
     def is_gone(self) -> bool:
         """Whether the process and everything it started in its group ended."""
-        return self._popen.poll() is not None and not self.signal_group(0)
+        return self._started.poll() is not None and not self.signal_group(0)
 
     def log_tail(self, lines: int = 12) -> str:
         """The end of the log, for error messages."""

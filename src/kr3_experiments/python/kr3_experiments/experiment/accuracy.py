@@ -1,5 +1,5 @@
 """H1: how often PA and POMDP-1 reach the goal as the number of cells grows."""
-from typing import Any, Dict, List, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple
 
 from kr3_experiments.experiment.definition import (
     METHOD_NAMES,
@@ -41,7 +41,13 @@ class Accuracy:
         " several budgets. Noise 1: slips .05, true positives .90, false positives .05, grasps .9; noise 2: twice the"
         " error rates. All methods meet the same worlds."
     )
-    labels = {"method": str, "rooms": int, "cells": int, "noise": float, "budget": int}
+    labels: Mapping[str, Callable[[str], Any]] = {
+        "method": str,
+        "rooms": int,
+        "cells": int,
+        "noise": float,
+        "budget": int,
+    }
 
     def points(self, options: Options) -> List[Point]:
         """PA everywhere, POMDP-1 where it can be built, at each budget."""
@@ -58,7 +64,7 @@ class Accuracy:
 
     @staticmethod
     def _point(options: Options, method: str, rooms: int, noise: float, budget: int) -> Point:
-        work = (
+        work: Dict[str, Any] = (
             {"max_backups": budget}
             if method == "pa"
             else {"flat_backups": budget, "flat_planning": "ahead"}

@@ -21,14 +21,10 @@ from kr3_experiments.experiment.sweep import Executor, LocalExecutor, Work, comm
 from kr3_experiments.experiment.worker import trials_program
 
 _TRIALS: Sequence[Experiment] = (Accuracy(), Defaults(), DefaultBias())
-_MEASURED = (
-    PlanningTime(),
-    Robot(),
-)  # these have processes of their own, and no trials of kr3_trials
+# The last two have processes of their own, and no trials of kr3_trials.
 AnyExperiment = Union[Experiment, PlanningTime, Robot]
-_EXPERIMENTS: Dict[str, AnyExperiment] = {
-    experiment.name: experiment for experiment in (*_TRIALS, *_MEASURED)
-}
+_ALL: Sequence[AnyExperiment] = (*_TRIALS, PlanningTime(), Robot())
+_EXPERIMENTS: Dict[str, AnyExperiment] = {experiment.name: experiment for experiment in _ALL}
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -1,5 +1,5 @@
 """H2: how much POMDP-2 depends on the probability that it gives to defaults."""
-from typing import Any, Dict, List, Sequence
+from typing import Any, Callable, Dict, List, Mapping, Sequence
 
 from kr3_experiments.experiment.definition import (
     METHOD_NAMES,
@@ -37,7 +37,7 @@ class DefaultBias:
         " where the second says, and so on. Objects that obey (normal) and objects in any other room (exceptional)."
         " PA knows the same defaults and has no p. The same worlds for all."
     )
-    labels = {"method": str, "bias": float, "target": str}
+    labels: Mapping[str, Callable[[str], Any]] = {"method": str, "bias": float, "target": str}
 
     def points(self, options: Options) -> List[Point]:
         """PA once, POMDP-2 for each p, for both kinds of target."""

@@ -1,5 +1,5 @@
 """H2: what defaults save, as the floor grows and as fewer objects obey them."""
-from typing import List, Sequence
+from typing import Any, Callable, List, Mapping, Sequence
 
 from kr3_experiments.experiment.definition import (
     METHOD_NAMES,
@@ -39,7 +39,7 @@ class Defaults:
         f" alike; three defaults in a chain. Floors of several sizes at q = {_HEADLINE:g}, and several q at"
         f" {_SHARE_ROOMS} rooms. PA* has the same description without its defaults. The same worlds for both."
     )
-    labels = {"method": str, "rooms": int, "share": float}
+    labels: Mapping[str, Callable[[str], Any]] = {"method": str, "rooms": int, "share": float}
 
     def points(self, options: Options) -> List[Point]:
         """Sizes at the headline share, then shares at one size."""

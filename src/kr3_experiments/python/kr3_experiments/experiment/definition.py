@@ -58,11 +58,25 @@ class Findings:
 class Experiment(Protocol):
     """A sweep of trials and its analysis."""
 
-    name: str
-    title: str
-    claim: str  # what the paper says
-    protocol: str  # what is done here
-    labels: Mapping[str, Callable[[str], Any]]  # columns that tell its points apart
+    @property
+    def name(self) -> str:
+        """On the command line."""
+
+    @property
+    def title(self) -> str:
+        """Of its section."""
+
+    @property
+    def claim(self) -> str:
+        """What the paper says."""
+
+    @property
+    def protocol(self) -> str:
+        """What is done here."""
+
+    @property
+    def labels(self) -> Mapping[str, Callable[[str], Any]]:
+        """Columns that tell its points apart."""
 
     def points(self, options: Options) -> List[Point]:
         """What is to be run."""

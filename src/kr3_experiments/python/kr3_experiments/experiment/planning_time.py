@@ -35,7 +35,7 @@ _QUICK_ROOMS = [10, 20]
 _QUICK_OBJECTS = [10, 50]
 _REPETITIONS = 10
 _QUICK_REPETITIONS = 3
-_KNOWLEDGE = {
+_KNOWLEDGE: Dict[str, List[str]] = {
     "all": ["--all-knowledge"],
     "relevant": [],
     "relevant + 20 %": ["--extra-share", "0.2"],

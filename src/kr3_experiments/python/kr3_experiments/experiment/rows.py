@@ -111,7 +111,7 @@ class RowStore:
         kept: List[str] = []
         bad: List[str] = []
         lines = self.path.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True)
-        header = next(csv.reader(lines[:1]), [])
+        header: List[str] = next(csv.reader(lines[:1]), [])
         if header != self.columns:
             what = f"found the columns {','.join(header) or '(none)'}"
             self._reject(lines, [f"{self.path.name}:1: {what}, expected {','.join(self.columns)}"])
@@ -132,7 +132,7 @@ class RowStore:
         """Keep the row of a line. @return what is wrong with it, or nothing"""
         if not line.endswith("\n"):
             return "the line is cut short"
-        fields = next(csv.reader([line]), [])
+        fields: List[str] = next(csv.reader([line]), [])
         if len(fields) != len(self._readers):
             return f"found {len(fields)} fields, expected {len(self._readers)}"
         row: Row = {}

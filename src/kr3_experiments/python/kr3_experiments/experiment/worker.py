@@ -77,7 +77,7 @@ class TrialWorker:
         @param digest  of the configuration. @param files  of the domain, name -> text
         @throws WorkerLost  the process ended. @throws Kr3Error  the job is refused, with kr3_trials' words
         """
-        request = {**job, "job": digest, "domain": self._domain(digest, files)}
+        request: Dict[str, Any] = {**job, "job": digest, "domain": self._domain(digest, files)}
         request["trials"] = list(trials)
         stdin, stdout = self._process.stdin, self._process.stdout
         assert stdin is not None and stdout is not None
