@@ -1,6 +1,5 @@
 #!/usr/bin/python3
-"""Contract of skill_node, with hand-written fakes of the robot, the navigator and the detector around it."""
-import math
+"""Contract of skill_node, with a fake of the robot, the navigator and the detector around it."""
 import pathlib
 import signal
 import subprocess
@@ -12,182 +11,21 @@ import unittest
 import actionlib
 import rospy
 import rostest
-import tf2_ros
-from geometry_msgs.msg import TransformStamped, Twist
-from kr3_msgs.msg import (
-    Cell,
-    CellArray,
-    Detection,
-    DetectionArray,
-    ExecuteSkillAction,
-    ExecuteSkillGoal,
-    Status,
-)
-from kr3_msgs.srv import CloseGripper, CloseGripperResponse, OpenGripper, OpenGripperResponse
-from move_base_msgs.msg import MoveBaseAction, MoveBaseResult
-from nav_msgs.msg import OccupancyGrid, Odometry
-from sensor_msgs.msg import CameraInfo, LaserScan
+from fake_robot import HELD, FakeRobot
+from kr3_msgs.msg import ExecuteSkillAction, ExecuteSkillGoal, Status
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger
 
 DEADLINE_S = 40.0
-RATE_HZ = 50.0
-VIEW_RAD = 1.2
-REACH_M = 0.75
-HELD = "held"
-
-
-def quaternion_z(yaw):
-    return math.sin(yaw / 2.0), math.cos(yaw / 2.0)
-
-
-class FakeWorld:
-    """A robot that follows cmd_vel exactly in an empty 8 m x 4 m hall of two cells, and one cup. All in `map`."""
-
-    def __init__(self):
-        self.lock = threading.RLock()
-        self.x, self.y, self.yaw = 2.0, 2.0, 0.0
-        self.speed, self.turn = 0.0, 0.0
-        self.cup = (3.0, 1.0)  # or HELD, or None
-        self.book = None  # a second object, where it stands
-        self.reachable = True
-        self.frames = 0
-        self.tf = tf2_ros.TransformBroadcaster()
-        self.odom = rospy.Publisher("odom", Odometry, queue_size=1)
-        self.scan = rospy.Publisher("scan", LaserScan, queue_size=1)
-        self.detections = rospy.Publisher("detections", DetectionArray, queue_size=1)
-        self.info = rospy.Publisher("camera/camera_info", CameraInfo, queue_size=1, latch=True)
-        focal = 320.0 / math.tan(VIEW_RAD / 2.0)
-        self.info.publish(
-            CameraInfo(width=640, height=480, K=[focal, 0, 320, 0, focal, 240, 0, 0, 1])
-        )
-        self.holding = rospy.Publisher("gripper/holding", Bool, queue_size=1, latch=True)
-        self.holding.publish(Bool(False))
-        self.cells = rospy.Publisher("cells", CellArray, queue_size=1, latch=True)
-        cells = CellArray()
-        for name, x in (("hall_west", 2.0), ("hall_east", 6.0)):
-            cell = Cell(name=name, room="hall", size_x=4.0, size_y=4.0)
-            cell.center.x, cell.center.y = x, 2.0
-            cells.cells.append(cell)
-        self.cells.publish(cells)
-        self.map = rospy.Publisher("map", OccupancyGrid, queue_size=1, latch=True)
-        grid = OccupancyGrid(data=[0] * (80 * 40))
-        grid.info.resolution, grid.info.width, grid.info.height = 0.1, 80, 40
-        self.map.publish(grid)
-        rospy.Subscriber("cmd_vel", Twist, self.on_command)
-        rospy.Service("gripper/close", CloseGripper, self.on_close)
-        rospy.Service("gripper/open", OpenGripper, self.on_open)
-        self.driver = actionlib.SimpleActionServer(
-            "move_base", MoveBaseAction, self.on_goal, auto_start=False
-        )
-        self.driver.start()
-        self.timer = rospy.Timer(rospy.Duration(1.0 / RATE_HZ), self.step)
-
-    def on_command(self, twist):
-        with self.lock:
-            self.speed, self.turn = twist.linear.x, twist.angular.z
-
-    def cup_from_robot(self):
-        return self.from_robot(self.cup)
-
-    def from_robot(self, point):
-        dx, dy = point[0] - self.x, point[1] - self.y
-        bearing = math.atan2(dy, dx) - self.yaw
-        return math.hypot(dx, dy), math.atan2(math.sin(bearing), math.cos(bearing))
-
-    def on_close(self, _):
-        with self.lock:
-            if isinstance(self.cup, tuple):
-                distance, bearing = self.cup_from_robot()
-                if distance < REACH_M and abs(bearing) < 0.6:
-                    self.cup = HELD
-            self.holding.publish(Bool(self.cup == HELD))
-            return CloseGripperResponse(Status(), self.cup == HELD)
-
-    def on_open(self, _):
-        with self.lock:
-            released = self.cup == HELD
-            if released:
-                self.cup = (self.x + 0.5 * math.cos(self.yaw), self.y + 0.5 * math.sin(self.yaw))
-            self.holding.publish(Bool(False))
-            return OpenGripperResponse(Status(), released)
-
-    def on_goal(self, goal):
-        with self.lock:
-            if not self.reachable:
-                self.driver.set_aborted(MoveBaseResult())
-                return
-            pose = goal.target_pose.pose
-            self.x, self.y = pose.position.x, pose.position.y
-            self.yaw = 2.0 * math.atan2(pose.orientation.z, pose.orientation.w)
-            self.step(None)
-        self.driver.set_succeeded(MoveBaseResult())
-
-    def transform(self, parent, child, x, y, z, rotation):
-        message = TransformStamped()
-        message.header.stamp, message.header.frame_id, message.child_frame_id = (
-            self.now,
-            parent,
-            child,
-        )
-        t = message.transform
-        t.translation.x, t.translation.y, t.translation.z = x, y, z
-        t.rotation.x, t.rotation.y, t.rotation.z, t.rotation.w = rotation
-        return message
-
-    def step(self, _):
-        with self.lock:
-            self.now = rospy.Time.now()
-            self.yaw += self.turn / RATE_HZ
-            self.x += self.speed * math.cos(self.yaw) / RATE_HZ
-            self.y += self.speed * math.sin(self.yaw) / RATE_HZ
-            sine, cosine = quaternion_z(self.yaw)
-            identity, optical = (0, 0, 0, 1), (-0.5, 0.5, -0.5, 0.5)
-            self.tf.sendTransform(
-                [
-                    self.transform("map", "base_link", self.x, self.y, 0.0, (0, 0, sine, cosine)),
-                    self.transform("base_link", "laser", 0.0, 0.0, 0.3, identity),
-                    self.transform("base_link", "camera_optical_frame", 0.0, 0.0, 0.6, optical),
-                ]
-            )
-            odom = Odometry()
-            odom.header.stamp = self.now
-            odom.pose.pose.position.x, odom.pose.pose.position.y = self.x, self.y
-            odom.pose.pose.orientation.z, odom.pose.pose.orientation.w = sine, cosine
-            odom.twist.twist.linear.x, odom.twist.twist.angular.z = self.speed, self.turn
-            self.odom.publish(odom)
-            scan = LaserScan(
-                angle_min=-math.pi, angle_max=math.pi, angle_increment=math.pi / 180, range_max=12.0
-            )
-            scan.header.frame_id, scan.header.stamp = "laser", self.now
-            scan.ranges = [math.inf] * 361
-            self.scan.publish(scan)
-            self.frames += 1
-            if self.frames % 5 == 0:
-                self.detections.publish(self.picture())
-
-    def picture(self):
-        message = DetectionArray()
-        message.header.stamp, message.header.frame_id = self.now, "camera_optical_frame"
-        for name, point in (("cup", self.cup), ("book", self.book)):
-            if not isinstance(point, tuple):
-                continue
-            distance, bearing = self.from_robot(point)
-            if abs(bearing) < VIEW_RAD / 2.0:
-                found = Detection(
-                    name=name, class_name="thing", probability=0.95, has_position=True
-                )
-                found.position.x = -distance * math.sin(bearing)
-                found.position.y = 0.5  # on the floor: below the laser
-                found.position.z = distance * math.cos(bearing)
-                message.detections.append(found)
-        return message
 
 
 class SkillNodeTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.world = FakeWorld()
+        cls.world = FakeRobot(
+            [("hall_west", "hall", 4.0), ("hall_east", "hall", 4.0)],
+            {"cup": (3.0, 1.0), "book": None},
+        )
         cls.folder = tempfile.TemporaryDirectory()
         objects = pathlib.Path(cls.folder.name) / "objects.yaml"
         objects.write_text("objects: [{name: cup}, {name: book}]\n", encoding="utf-8")
@@ -217,13 +55,11 @@ class SkillNodeTest(unittest.TestCase):
 
     def setUp(self):
         with self.world.lock:
-            self.world.x, self.world.y, self.world.yaw = 2.0, 2.0, 0.0
-            self.world.speed = self.world.turn = 0.0
-            self.world.cup = (3.0, 1.0)
-            self.world.book = None
+            self.world.objects["cup"] = (3.0, 1.0)
+            self.world.objects["book"] = None
             self.world.reachable = True
             self.world.holding.publish(Bool(False))
-            self.world.step(None)
+            self.world.stand_at(2.0, 2.0)
         # A skill that starts before the robot's new pose has arrived looks round from the old one.
         threading.Event().wait(0.3)
 
@@ -241,7 +77,7 @@ class SkillNodeTest(unittest.TestCase):
         self.assertEqual((result.status.code, result.outcome), (Status.OK, outcome), f"{result}")
 
     def test_search_finds_behind_the_robot(self):
-        self.world.cup = (1.0, 2.2)
+        self.world.objects["cup"] = (1.0, 2.2)
         result = self.run_skill("search", ["hall_west", "cup"])
         self.assert_ok(result, "found")
         self.assertEqual(result.observation, ["hall_west"])
@@ -249,7 +85,7 @@ class SkillNodeTest(unittest.TestCase):
         self.assertGreater(result.duration_s, 0.0)
 
     def test_search_says_where_else_or_nothing(self):
-        self.world.cup = (5.0, 2.0)
+        self.world.objects["cup"] = (5.0, 2.0)
         result = self.run_skill("search", ["hall_west", "cup"])
         self.assert_ok(result, "not_found")
         self.assertEqual(result.observation, ["hall_east"])
@@ -258,7 +94,7 @@ class SkillNodeTest(unittest.TestCase):
         self.assertEqual(result.observation, [])
 
     def test_search_tells_what_it_sees_by_the_way(self):
-        self.world.book = (6.5, 2.2)
+        self.world.objects["book"] = (6.5, 2.2)
         result = self.run_skill("search", ["hall_west", "cup"])
         self.assert_ok(result, "found")
         told = {sighting.literal: sighting.confidence for sighting in result.sightings}
@@ -268,7 +104,7 @@ class SkillNodeTest(unittest.TestCase):
         told = {sighting.literal: sighting.confidence for sighting in result.sightings}
         self.assertEqual(told.pop("stands(book) = hall_east", None), 0.95)
         self.assertLessEqual(set(told), {"stands(cup) = hall_west"})
-        self.world.book = None
+        self.world.objects["book"] = None
         result = self.run_skill("search", ["hall_west", "book"])
         self.assert_ok(result, "not_found")
         self.assertEqual([s.literal for s in result.sightings], ["stands(cup) = hall_west"])
@@ -276,25 +112,25 @@ class SkillNodeTest(unittest.TestCase):
     def test_grasps_and_puts_down(self):
         self.assert_ok(self.run_skill("search", ["hall_west", "cup"]), "found")
         self.assert_ok(self.run_skill("grasp", ["cup", "hall_west"]), "succeeded")
-        self.assertEqual(self.world.cup, HELD)
+        self.assertEqual(self.world.objects["cup"], HELD)
         self.assertEqual(self.world.speed, 0.0)
         again = self.run_skill("grasp", ["cup", "hall_west"])
         self.assertEqual(again.status.code, Status.FAILED_PRECONDITION)
         self.assert_ok(self.run_skill("put_down", ["cup"]), "succeeded")
-        self.assertIsInstance(self.world.cup, tuple)
+        self.assertIsInstance(self.world.objects["cup"], tuple)
 
     def test_grasp_fails_where_it_cannot_get_or_see(self):
         self.world.reachable = False
         self.assert_ok(self.run_skill("grasp", ["cup", "hall_west"]), "failed")
         self.world.reachable = True
-        self.world.cup = None
+        self.world.objects["cup"] = None
         self.assert_ok(self.run_skill("grasp", ["cup", "hall_west"]), "failed")
 
     def test_hand_over_waits_for_a_person(self):
         requests = []
         rospy.Subscriber("hand_over/request", String, lambda m: requests.append(m.data))
         self.assert_ok(self.run_skill("hand_over", ["cup"], time_limit=1.0), "failed")
-        self.world.cup = (2.5, 2.0)
+        self.world.objects["cup"] = (2.5, 2.0)
         client = self.clients["hand_over"]
         requests.clear()
         client.send_goal(ExecuteSkillGoal(skill="hand_over", arguments=["cup"]))
@@ -307,6 +143,21 @@ class SkillNodeTest(unittest.TestCase):
         self.assertTrue(rospy.ServiceProxy("hand_over/confirm", Trigger)().success)
         self.assertTrue(client.wait_for_result(rospy.Duration(DEADLINE_S)))
         self.assert_ok(client.get_result(), "succeeded")
+
+    def test_a_person_may_refuse(self):
+        client = self.clients["hand_over"]
+        asked = threading.Event()
+        subscriber = rospy.Subscriber(
+            "hand_over/request", String, lambda m: asked.set() if m.data else asked.clear()
+        )
+        client.send_goal(ExecuteSkillGoal(skill="hand_over", arguments=["cup"]))
+        self.assertTrue(asked.wait(DEADLINE_S))
+        self.assertTrue(rospy.ServiceProxy("hand_over/refuse", Trigger)().success)
+        self.assertTrue(client.wait_for_result(rospy.Duration(DEADLINE_S)))
+        subscriber.unregister()
+        status = client.get_result().status
+        self.assertEqual(status.code, Status.FAILED_PRECONDITION)
+        self.assertIn("refused to hand over cup", status.message)
 
     def test_rejects_bad_requests_and_survives(self):
         for skill, arguments, code in (
@@ -327,7 +178,7 @@ class SkillNodeTest(unittest.TestCase):
         self.assert_ok(self.run_skill("search", ["hall_west", "cup"]), "found")
 
     def test_cancel_and_time_limit_stop_the_wheels(self):
-        self.world.cup = None
+        self.world.objects["cup"] = None
         client = self.clients["search"]
         client.send_goal(ExecuteSkillGoal(skill="search", arguments=["hall_west", "cup"]))
         event = threading.Event()

@@ -9,6 +9,7 @@ inline constexpr char kPutDown[] = "skills/put_down";
 inline constexpr char kHandOver[] = "skills/hand_over";
 inline constexpr char kHandOverRequest[] = "hand_over/request";
 inline constexpr char kHandOverConfirm[] = "hand_over/confirm";
+inline constexpr char kHandOverRefuse[] = "hand_over/refuse";
 inline constexpr char kCells[] = "cells";
 inline constexpr char kMap[] = "map";
 inline constexpr char kScan[] = "scan";

@@ -72,13 +72,16 @@ SkillNode::SkillNode(const ros::NodeHandle& nh, const SkillNodeConfig& config)
 {
   ros::NodeHandle handle(nh);
   request_ = handle.advertise<std_msgs::String>(names::kHandOverRequest, 1, true);
-  confirm_ = handle.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
-      names::kHandOverConfirm,
-      [this](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    robot_.notify([&] { confirmed_ = true; });
-    response.success = true;
-    return true;
-      });
+  const auto offerAnswer = [&](const char* name, Answer answer) {
+    return handle.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
+        name, [this, answer](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+          robot_.notify([&] { answer_ = answer; });
+          response.success = true;
+          return true;
+        });
+  };
+  confirm_ = offerAnswer(names::kHandOverConfirm, Answer::kConfirmed);
+  refuse_ = offerAnswer(names::kHandOverRefuse, Answer::kRefused);
   diagnostics_.setHardwareID("none");
   diagnostics_.add("skills", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
     const std::string current = current_.load();

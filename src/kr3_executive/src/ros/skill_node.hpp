@@ -97,7 +97,14 @@ private:
   std::map<std::string, Sighting> last_sighting_;  ///< by object; used by the running skill only
   std::map<std::string, Sighting> noticed_;        ///< the best of each object in this skill
   std::mutex running_;                             ///< held by the skill that moves the robot
-  bool confirmed_ = false;                         ///< changed by SkillRobot::notify()
+  /// What the person who was asked answered; changed by SkillRobot::notify().
+  enum class Answer
+  {
+    kNone,
+    kConfirmed,
+    kRefused,
+  };
+  Answer answer_ = Answer::kNone;
 
   std::atomic<unsigned> num_done_{0};
   std::atomic<unsigned> num_failed_{0};
@@ -106,6 +113,7 @@ private:
   diagnostic_updater::Updater diagnostics_;
   ros::Publisher request_;
   ros::ServiceServer confirm_;
+  ros::ServiceServer refuse_;
   ros::WallTimer diagnostics_timer_;
   std::vector<std::unique_ptr<Offer>> offers_;
 };

@@ -237,12 +237,18 @@ SkillNode::Outcome SkillNode::handOver(const Arguments& arguments, const Run& ru
     message.data = text;
     request_.publish(message);
   };
-  robot_.notify([&] { confirmed_ = false; });
-  say("Please put " + object + " into the gripper, then confirm.");
+  robot_.notify([&] { answer_ = Answer::kNone; });
+  say("Please put " + object + " into the gripper, then confirm, or refuse.");
   run.report("waiting for a person", 0.0);
+  Answer answer = Answer::kNone;
   try
   {
-    robot_.waitFor([&] { return confirmed_; }, "a person", run.interruption, true);
+    robot_.waitFor(
+        [&] {
+      answer = answer_;
+      return answer != Answer::kNone;
+        },
+        "a person", run.interruption, true);
   }
   catch (const DeadlineExceeded&)
   {
@@ -255,6 +261,8 @@ SkillNode::Outcome SkillNode::handOver(const Arguments& arguments, const Run& ru
     throw;
   }
   say("");
+  if (answer == Answer::kRefused)
+    throw FailedPrecondition("the person who was asked refused to hand over " + object);
   return {robot_.closeGripper() ? kSucceeded : kFailed, {}, 1.0};
 }
 
