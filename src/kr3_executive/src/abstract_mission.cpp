@@ -31,6 +31,52 @@ refinement::ComponentMap gridOf(const reasoner::Description& high_level,
   return refinement::gridMap(wholes, config.components_per_whole, config.pitch_m);
 }
 
+/// Passes everything on, and holds what is recorded against the world.
+class RecordWitness : public MissionObserver
+{
+public:
+  RecordWitness(MissionObserver& next, const reasoner::Description& high_level,
+                const AbstractWorld& world, double threshold)
+    : next_(next), high_level_(high_level), world_(world), threshold_(threshold)
+  {
+  }
+
+  void onEvent(const ReportedEvent& event) override { next_.onEvent(event); }
+  void onBelief(const ReportedBelief& belief) override { next_.onBelief(belief); }
+  void onInput(const Input& input) override { next_.onInput(input); }
+  void onDecision(const ReportedDecision& decision) override { next_.onDecision(decision); }
+  void onSnapshot(const Snapshot& snapshot) override
+  {
+    for (; seen_ < snapshot.history.size(); ++seen_)
+      count(snapshot.history[seen_]);
+    seen_ = snapshot.history.size();  // records may have been taken back
+    next_.onSnapshot(snapshot);
+  }
+
+  RefutationCount refutations;
+
+private:
+  void count(const reasoner::Record& record)
+  {
+    const bool found =
+        record.kind == reasoner::RecordKind::kObserved && !record.value && record.source == "robot";
+    if (!found || takeApart(record.statement).isBoolean())
+      return;
+    const bool wrong = world_.holds(reasoner::parseGoal(record.statement, high_level_));
+    const bool doubtful = record.confidence <= threshold_;
+    refutations.all += 1;
+    refutations.wrong += wrong ? 1 : 0;
+    refutations.doubtful += doubtful ? 1 : 0;
+    refutations.doubtful_wrong += wrong && doubtful ? 1 : 0;
+  }
+
+  MissionObserver& next_;
+  const reasoner::Description& high_level_;
+  const AbstractWorld& world_;
+  double threshold_;
+  std::size_t seen_ = 0;
+};
+
 const reasoner::Literal* firstValued(const reasoner::Formula& goal)
 {
   if (goal.kind == reasoner::Formula::Kind::kLiteral)
@@ -63,7 +109,9 @@ AbstractMissions::AbstractMissions(const std::string& directory, AbstractMission
       high_level, refined,
       std::filesystem::exists(map_file) ? refinement::readComponentMap(map_file.string())
                                         : gridOf(high_level, refined, config_));
-  models_ = refinement::readModels((path / "models.yaml").string(), *domain_);
+  refinement::ModelsOptions numbers;
+  numbers.require_learned = config_.require_learned;
+  models_ = refinement::readModels((path / "models.yaml").string(), *domain_, numbers);
   bindings_ = Bindings::read((path / config_.bindings).string(), domain_->description());
   if (std::filesystem::exists(path / "scenario.yaml"))
     scenario_ = readScenario((path / "scenario.yaml").string(), high_level);
@@ -135,16 +183,18 @@ TrialResult AbstractMissions::run(const MissionSetup& setup, MissionObserver& ob
     });
   }
   LowLevelExecutor& acting = between ? *between : world;
+  RecordWitness witness(observer, domain_->highLevel(), world, setup.limits.threshold);
   InProcessReasoner reasoner(descriptionFor(config_.method, domain_->highLevel()), config_.plan);
   const auto mission = makeMission(config_.method,
                                    {*domain_, models_, narrator, reasoner, policies_, acting,
-                                    observer, [&world] { return world.now(); }, config_.driver},
+                                    witness, [&world] { return world.now(); }, config_.driver},
                                    config_.baseline, baseline_cache_);
   told = mission.get();
   TrialResult result;
   result.mission = mission->achieve(setup.goal, setup.initial_records, setup.limits, 0.0);
   result.goal_is_true = world.holds(formula);
   result.history = mission->knowledge().history;
+  result.refutations = witness.refutations;
   return result;
 }
 

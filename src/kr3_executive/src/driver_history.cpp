@@ -1,7 +1,6 @@
 // The part of MissionDriver that touches the high-level history: records, diagnosis, told facts.
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "kr3_executive/driver.hpp"
@@ -20,13 +19,6 @@ using reasoner::RecordKind;
 bool isAction(const Record& record)
 {
   return record.kind == RecordKind::kHappened || record.kind == RecordKind::kAttempted;
-}
-
-/// obs(f = v, false, k) of a valued fluent: what a refuted search leaves behind.
-bool isRefutation(const Record& record)
-{
-  return record.kind == RecordKind::kObserved && !record.value && record.confidence < 1.0 &&
-         !takeApart(record.statement).isBoolean();
 }
 
 void collectConstants(const reasoner::Formula& formula, std::vector<std::string>& constants)
@@ -138,68 +130,6 @@ Event MissionDriver::performDiagnosis()
   surprised_fluents_.clear();
   refreshFacts();
   return DiagnosisReady{diagnosis.consistent};
-}
-
-std::vector<std::size_t> MissionDriver::recordsToGiveUp()
-{
-  const auto& history = knowledge_.history;
-  // Records that contradict each other come before what was only looked for in vain.
-  std::vector<reasoner::Retraction> found = reasoner_.retractions({}, state_.step);
-  std::set<std::string> refuted;
-  for (const auto& record : history)
-  {
-    if (isRefutation(record))
-      refuted.insert(record.statement);
-  }
-  if (found.empty())
-  {
-    for (const auto& literal : refuted)
-    {
-      const auto more = reasoner_.retractions(literal, state_.step);
-      found.insert(found.end(), more.begin(), more.end());
-    }
-  }
-  const auto least = std::min_element(found.begin(), found.end(), [](const auto& a, const auto& b) {
-    return a.log_odds < b.log_odds;
-  });
-  if (least != found.end() && !least->records.empty())
-    return least->records;
-  // Nothing is impossible, as where an exogenous action could undo every refutation; still there is
-  // no plan left to try.
-  std::size_t index = history.size();
-  for (std::size_t i = 0; i < history.size(); ++i)
-  {
-    if (isRefutation(history[i]) &&
-        (index == history.size() || history[i].confidence < history[index].confidence))
-      index = i;
-  }
-  return index == history.size() ? std::vector<std::size_t>{} : std::vector<std::size_t>{index};
-}
-
-Event MissionDriver::performReopen()
-{
-  std::vector<std::size_t> indices = recordsToGiveUp();
-  if (indices.empty())
-    return RefutationReopened{false};
-  auto& history = knowledge_.history;
-  std::sort(indices.rbegin(), indices.rend());
-  std::vector<Record> given_up;
-  for (const std::size_t index : indices)
-  {
-    given_up.push_back(history.at(index));
-    history.erase(history.begin() + static_cast<std::ptrdiff_t>(index));
-  }
-  supports_.clear();
-  reasoner_.setHistory(history);
-  for (const auto& record : given_up)
-  {
-    const LiteralText literal = takeApart(record.statement);
-    forget(domain_, knowledge_.memory, literal.fluent(), literal.value);
-    Narration narration = narrator_.record(record, false);
-    narration.text = "taken back as the least certain record: " + narration.text;
-    report(EventKind::kRecord, std::move(narration));
-  }
-  return RefutationReopened{true};
 }
 
 void MissionDriver::tell(const Record& record)

@@ -1,6 +1,7 @@
 // The part of MissionDriver that plans (lines 3-6), and what it holds to be so.
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -16,7 +17,6 @@ namespace
 
 /// Why a literal is believed that the history does not entail.
 const std::string kAssumed = "assumed";
-constexpr double kMostCertain = 0.999;
 
 /// Whether a record that a statement has a truth value settles that a literal holds.
 bool settles(const LiteralText& statement, bool value, const LiteralText& literal)
@@ -26,31 +26,6 @@ bool settles(const LiteralText& statement, bool value, const LiteralText& litera
   if (!literal.isBoolean())
     return value && statement.value == literal.value;
   return (statement.value == "true") == value ? literal.value == "true" : literal.value == "false";
-}
-
-/// The odds that a value holds although it was refuted, product of (1 - c) / c over its refutations
-/// of confidence c since the fluent was last observed to have some value; values without any are
-/// left out.
-std::map<std::string, double> refutationOdds(const std::vector<reasoner::Record>& history,
-                                             const std::string& fluent)
-{
-  std::map<std::string, double> odds;
-  for (const auto& record : history)
-  {
-    if (record.kind != reasoner::RecordKind::kObserved)
-      continue;
-    const LiteralText literal = takeApart(record.statement);
-    if (literal.fluent() != fluent || literal.isBoolean())
-      continue;
-    if (record.value && literal.equal)
-      odds.clear();
-    else if (!record.value && literal.equal)
-    {
-      const double factor = (1.0 - std::min(record.confidence, kMostCertain)) / record.confidence;
-      odds.emplace(literal.value, 1.0).first->second *= std::min(factor, 1.0);
-    }
-  }
-  return odds;
 }
 
 }  // namespace
@@ -79,6 +54,7 @@ Event MissionDriver::performPlan()
   {
     for (const auto& found : result.plans)
       event.plans.push_back({serialised(found), 0.0, {}, {}});
+    markRefuted(event.plans);
   }
   if (event.plans.size() > 1)
     costPlans(event.plans);
@@ -141,16 +117,16 @@ std::vector<double> MissionDriver::hypothesisProbabilities(
   {
     // What was refuted may still be so, by a look that missed it or a change since: by the odds of
     // its refutations. The others share the rest by what the low level remembers.
-    const std::map<std::string, double> odds = refutationOdds(knowledge_.history, fluent);
+    const Refutations refutations = openRefutations(fluent);
     const double even = 1.0 / static_cast<double>(values.size());
     std::vector<std::string> fresh;
     for (const auto& value : values)
     {
-      const auto refuted = odds.find(value);
-      if (refuted == odds.end())
+      const auto refuted = refutations.find(value);
+      if (refuted == refutations.end())
         fresh.push_back(value);
       else
-        of_literal[fluent + " = " + value] = even * refuted->second;
+        of_literal[fluent + " = " + value] = even * std::exp(-logOddsOf(refuted->second));
     }
     if (fresh.empty())
       continue;
@@ -182,21 +158,43 @@ std::vector<reasoner::Literal> MissionDriver::believedState(
     const std::vector<std::string>& hypothesis)
 {
   std::vector<reasoner::Literal> state;
-  std::vector<std::string> settled;
   for (const auto& text : reasoner_.entailedAt(state_.step))
   {
     reasoner::Literal literal = reasoner::parseGroundLiteral(text, domain_.highLevel());
     if (!literal.equal)
       continue;
-    settled.push_back(reasoner::toString(literal.atom));
     state.push_back(std::move(literal));
   }
+  if (hypothesis.empty())
+    return state;
+  // What is assumed, with what the state constraints make of it.
+  FluentValues known;
+  FluentValues assumed;
+  for (const auto& literal : state)
+    known[reasoner::toString(literal.atom)] = literal.value.name;
   for (const auto& text : hypothesis)
   {
-    reasoner::Literal literal = reasoner::parseGroundLiteral(text, domain_.highLevel());
-    if (std::find(settled.begin(), settled.end(), reasoner::toString(literal.atom)) ==
-        settled.end())
-      state.push_back(std::move(literal));
+    const LiteralText literal = takeApart(text);
+    if (literal.equal && known.count(literal.fluent()) == 0)
+      assumed[literal.fluent()] = literal.value;
+  }
+  try
+  {
+    for (const auto& [fluent, value] : high_level_laws_.imposed(known, assumed))
+    {
+      if (known.count(fluent) == 0)
+        assumed[fluent] = value;
+    }
+  }
+  catch (const InvalidArgument&)  // it fits no state: the plan will turn out to be impossible
+  {
+  }
+  for (const auto& [fluent, value] : assumed)
+  {
+    const bool boolean = value == "true" || value == "false";
+    state.push_back(reasoner::parseGroundLiteral(
+        !boolean ? fluent + " = " + value : (value == "true" ? fluent : "-" + fluent),
+        domain_.highLevel()));
   }
   return state;
 }

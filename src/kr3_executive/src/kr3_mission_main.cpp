@@ -93,6 +93,8 @@ bool parse(int argc, char** argv, Options& options, int& status)
                  "POMDP-1 and POMDP-2: best, ahead or online");
   app.add_option("--flat-backups", options.mission.baseline.budget.max_backups,
                  "of the solver for the whole domain");
+  app.add_flag("--require-learned", options.mission.require_learned,
+               "refuse numbers of models.yaml that were not learned from trials");
   app.add_flag("--quiet", options.quiet, "print the summary only");
   for (const char* name :
        {"--goal", "--seed", "--trials", "--target-at", "--true", "--cells-per-place",
@@ -174,6 +176,7 @@ int run(const Options& options)
   double hl_actions = 0.0;
   double ll_actions = 0.0;
   double duration_s = 0.0;
+  RefutationCount refutations;
   const auto start = std::chrono::steady_clock::now();
   for (std::uint64_t trial = 0; trial < options.trials; ++trial)
   {
@@ -183,6 +186,10 @@ int run(const Options& options)
     hl_actions += result.mission.hl_actions;
     ll_actions += result.mission.ll_actions;
     duration_s += result.mission.duration_s;
+    refutations.all += result.refutations.all;
+    refutations.wrong += result.refutations.wrong;
+    refutations.doubtful += result.refutations.doubtful;
+    refutations.doubtful_wrong += result.refutations.doubtful_wrong;
     if (!options.quiet && !(result.mission.achieved && result.goal_is_true))
       std::cout << "trial with seed " << options.seed + trial << ": "
                 << (result.mission.achieved ? "declared, but the goal is not true"
@@ -195,7 +202,10 @@ int run(const Options& options)
   std::cout << std::fixed << std::setprecision(2) << "achieved " << achieved << " of "
             << options.trials << ", declared " << declared << ", high-level actions "
             << hl_actions / n << ", low-level actions " << ll_actions / n << ", simulated "
-            << duration_s / n << " s, wall " << wall_s / n << " s a mission\n";
+            << duration_s / n << " s, wall " << wall_s / n << " s a mission\n"
+            << "refutations " << refutations.all << ", " << refutations.wrong
+            << " of them wrong; not believed above the threshold " << refutations.doubtful << ", "
+            << refutations.doubtful_wrong << " of them wrong\n";
   return achieved == options.trials ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
@@ -228,7 +238,9 @@ std::vector<std::string> scriptFiles(const std::vector<std::string>& given)
 int runScripts(const Options& options)
 {
   namespace fs = std::filesystem;
-  ScriptRunner runner(options.domain);
+  AbstractMissionConfig config = ScriptRunner::defaultConfig();
+  config.require_learned = options.mission.require_learned;
+  ScriptRunner runner(options.domain, config);
   Printer printer(options.quiet);
   std::size_t passed = 0;
   const std::vector<std::string> files = scriptFiles(options.scripts);

@@ -176,21 +176,37 @@ Transition onPlan(State state, const PlanReady& event)
   // Lines 4-6: the lowest expected cost wins, among plans that are not known to lead nowhere.
   const CostedPlan* best = nullptr;
   bool exhausted = false;
+  bool impossible = false;
+  bool refuted = true;  // every hypothesis that is left
   for (const auto& candidate : event.plans)
   {
-    const auto failed =
-        state.failures.find(attemptKey(firstAction(candidate.plan), candidate.plan.hypothesis));
+    const std::string key = attemptKey(firstAction(candidate.plan), candidate.plan.hypothesis);
+    const auto failed = state.failures.find(key);
     if (failed != state.failures.end() && failed->second >= state.limits.max_attempts)
       exhausted = true;
-    else if (best == nullptr || candidate.cost_s < best->cost_s)
-      best = &candidate;
+    else if (state.impossible.count(key) > 0)
+      impossible = true;
+    else
+    {
+      refuted = refuted && candidate.refuted;
+      if (best == nullptr || candidate.cost_s < best->cost_s)
+        best = &candidate;
+    }
   }
   if (best == nullptr)
   {
     return reopen(std::move(state), exhausted ? "every plan left was tried " +
                                                     std::to_string(state.limits.max_attempts) +
                                                     " times without result"
-                                              : "no plan is left: " + event.reason);
+                                    : impossible ? "every plan left begins with an action that is "
+                                                   "impossible in what is known"
+                                                 : "no plan is left: " + event.reason);
+  }
+  if (refuted)
+  {
+    return reopen(std::move(state),
+                  "everything that the goal may rest on was looked for in vain; " +
+                      std::to_string(state.reopened) + " refutations were taken back");
   }
   state.plan = *best;
   state.plan_index = 0;
@@ -201,6 +217,7 @@ Transition onRecords(State state, const RecordsAdded& event)
 {
   const bool after_action = state.phase == Phase::kRecording;
   state.step = event.step;
+  state.impossible.clear();
   if (state.cancelling)
     return cancelled(std::move(state));
   if (event.unexpected)  // lines 17-19
@@ -342,7 +359,9 @@ struct Stepper
       return ignored();
     State next = state;
     ++next.hl_actions_done;  // so that this ends too
-    ++next.failures[attemptKey(next.currentAction(), next.plan->plan.hypothesis)];
+    const std::string key = attemptKey(next.currentAction(), next.plan->plan.hypothesis);
+    ++next.failures[key];
+    next.impossible.insert(key);
     next.last_result = ActionResult::kUnresolved;
     return requestPlan(std::move(next));  // line 20: the plan is invalid
   }
@@ -351,7 +370,8 @@ struct Stepper
     if (state.phase != Phase::kDiagnosing)
       return ignored();
     if (!event.consistent)
-      return reopen(state, "the history is inconsistent");
+      return reopen(state, "the history is inconsistent; " + std::to_string(state.reopened) +
+                               " times the least certain records were taken back");
     return requestPlan(state);  // lines 20-22
   }
   Transition operator()(const RefutationReopened& event) const
@@ -365,6 +385,7 @@ struct Stepper
     if (!event.found)
       return finish(std::move(next), otherwise);
     next.failures.clear();
+    next.impossible.clear();
     return requestPlan(std::move(next));
   }
   Transition operator()(const Told& event) const { return onTold(state, event); }

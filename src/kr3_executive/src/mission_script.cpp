@@ -382,9 +382,9 @@ private:
   Expectations expectations(const YAML::Node& node)
   {
     Expectations expect;
-    reader_.checkKeys(
-        node, {"declared", "true", "reason", "high_level", "low_level", "never", "history",
-               "recorded", "not_recorded", "explanations", "reopened", "max_low_level_actions"});
+    reader_.checkKeys(node, {"declared", "true", "reason", "high_level", "low_level", "never",
+                             "history", "recorded", "not_recorded", "explanations", "reopened",
+                             "taken_back", "max_low_level_actions"});
     if (!node.IsMap())
       return expect;
     if (node["declared"])
@@ -420,6 +420,8 @@ private:
     }
     if (node["reopened"])
       expect.reopened = count(node, "reopened", 0);
+    if (node["taken_back"])
+      expect.taken_back = reader_.texts(node["taken_back"]);
     if (node["max_low_level_actions"])
       expect.max_low_level_actions = count(node, "max_low_level_actions", 0);
     return expect;

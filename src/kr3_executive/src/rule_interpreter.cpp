@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -426,58 +427,82 @@ FluentValues RuleInterpreter::successor(const FluentValues& state, const Atom& a
                                         const OutcomeChooser& chooser, std::string* label) const
 {
   const FluentValues complete = withDefined(state, Defined::kUsed);
-  FluentValues next = state;
-  std::map<std::string, bool> caused;
+  std::vector<std::pair<const reasoner::CausalLaw*, Binding>> applied;
   for (const auto& law : description_.causal_laws)
   {
     Binding binding;
     if (!unify(law.action, action, binding))
       continue;
     forEach(complete, law.body, binding, [&](const Binding& bound) {
-      // An outcome with an empty choice cannot happen here.
-      std::vector<const reasoner::Outcome*> open;
-      std::vector<std::string> labels;
-      for (const auto& outcome : law.outcomes)
-      {
-        const bool possible =
-            std::all_of(outcome.effects.begin(), outcome.effects.end(), [&](const auto& effect) {
-              return !effect.is_choice ||
-                     forEach(complete, effect.choice, bound, [](const Binding&) { return true; });
-            });
-        if (possible)
-        {
-          open.push_back(&outcome);
-          labels.push_back(outcome.label);
-        }
-      }
-      if (open.empty())
-        return false;
-      const auto& outcome = *open[open.size() == 1 ? 0 : chooser.outcome(action.name, labels)];
-      if (label != nullptr && !outcome.label.empty())
-        *label = outcome.label;
-      for (const auto& effect : outcome.effects)
-      {
-        const auto* fluent = description_.findFluent(effect.fluent.name);
-        if (fluent == nullptr || fluent->kind == FluentKind::kKnowledge)
-          continue;
-        const std::string name = ground(effect.fluent, bound);
-        std::string value;
-        if (effect.is_choice)
-        {
-          std::vector<std::string> values;
-          forEach(complete, effect.choice, bound, [&](const Binding& with_value) {
-            values.push_back(with_value.at(effect.value.name));
-            return false;
-          });
-          value = values[values.size() == 1 ? 0 : chooser.value(values.size())];
-        }
-        else
-          value = constantOf(effect.value, bound).value_or("");
-        next[name] = value;
-        caused[name] = true;
-      }
+      applied.emplace_back(&law, bound);
       return false;
     });
+  }
+  const auto possible = [&](const reasoner::Outcome& outcome, const Binding& bound) {
+    return std::all_of(outcome.effects.begin(), outcome.effects.end(), [&](const auto& effect) {
+      return !effect.is_choice ||
+             forEach(complete, effect.choice, bound, [](const Binding&) { return true; });
+    });
+  };
+  // The labels of all laws that apply name one event: it is drawn once. It cannot happen where one
+  // of its effects has no value to choose.
+  std::vector<std::string> labels;
+  std::set<std::string> impossible;
+  for (const auto& [law, bound] : applied)
+  {
+    for (const auto& outcome : law->outcomes)
+    {
+      if (!possible(outcome, bound))
+        impossible.insert(outcome.label);
+      if (!outcome.label.empty() &&
+          std::find(labels.begin(), labels.end(), outcome.label) == labels.end())
+        labels.push_back(outcome.label);
+    }
+  }
+  const bool labelled = !labels.empty();
+  labels.erase(std::remove_if(labels.begin(), labels.end(),
+                              [&](const auto& name) { return impossible.count(name) > 0; }),
+               labels.end());
+  if (impossible.count("") > 0 || (labelled && labels.empty()))
+    return state;
+  std::string drawn;
+  if (labelled)
+    drawn = labels[labels.size() == 1 ? 0 : chooser.outcome(action.name, labels)];
+  if (label != nullptr && labelled)
+    *label = drawn;
+
+  FluentValues next = state;
+  std::map<std::string, bool> caused;
+  const auto apply = [&](const reasoner::Outcome& outcome, const Binding& bound) {
+    for (const auto& effect : outcome.effects)
+    {
+      const auto* fluent = description_.findFluent(effect.fluent.name);
+      if (fluent == nullptr || fluent->kind == FluentKind::kKnowledge)
+        continue;
+      const std::string name = ground(effect.fluent, bound);
+      std::string value;
+      if (effect.is_choice)
+      {
+        std::vector<std::string> values;
+        forEach(complete, effect.choice, bound, [&](const Binding& with_value) {
+          values.push_back(with_value.at(effect.value.name));
+          return false;
+        });
+        value = values[values.size() == 1 ? 0 : chooser.value(values.size())];
+      }
+      else
+        value = constantOf(effect.value, bound).value_or("");
+      next[name] = value;
+      caused[name] = true;
+    }
+  };
+  for (const auto& [law, bound] : applied)
+  {
+    for (const auto& outcome : law->outcomes)
+    {
+      if (outcome.label.empty() || outcome.label == drawn)
+        apply(outcome, bound);
+    }
   }
   if (!applyConstraints(next, caused, false))
     throw InvalidArgument("the effects of " + reasoner::toString(action) +

@@ -16,6 +16,12 @@ namespace
 
 constexpr std::uint64_t kScriptBackups = 400;
 
+std::string withoutConfidence(reasoner::Record record)
+{
+  record.confidence = 1.0;  // which is not printed then
+  return reasoner::toString(record);
+}
+
 /// Collects the trace and passes everything on.
 class Tracer : public MissionObserver
 {
@@ -41,6 +47,7 @@ public:
   {
     high_level = snapshot.state.currentAction();
     trace.reopened = snapshot.state.reopened;
+    noteWhatWasTakenBack(snapshot.history);
     if (std::exchange(diagnosed_, false))
       trace.explanations.push_back(snapshot.exceptions);
     if (std::exchange(planned_, false) && snapshot.state.plan)
@@ -59,7 +66,25 @@ public:
   std::string high_level;  ///< under execution
 
 private:
+  /// Records stay in their order: those that are there no more were taken back.
+  void noteWhatWasTakenBack(const std::vector<reasoner::Record>& history)
+  {
+    std::vector<std::string> texts;
+    for (const auto& record : history)
+      texts.push_back(withoutConfidence(record));
+    std::size_t next = 0;
+    for (const auto& text : history_)
+    {
+      if (next < texts.size() && texts[next] == text)
+        ++next;
+      else
+        trace.taken_back.push_back(text);
+    }
+    history_ = std::move(texts);
+  }
+
   MissionObserver& next_;
+  std::vector<std::string> history_;  ///< at the last snapshot
   bool diagnosed_ = false;
   bool planned_ = false;
   std::uint32_t done_ = 0;
@@ -128,15 +153,16 @@ void compareHighLevel(const std::vector<ExpectedAction>& expected,
   }
 }
 
-void compareHistory(const std::vector<std::string>& expected, const std::vector<std::string>& found,
-                    std::vector<std::string>& out)
+/// All of them, in order.
+void comparePatterns(const std::string& what, const std::vector<std::string>& expected,
+                     const std::vector<std::string>& found, std::vector<std::string>& out)
 {
   for (std::size_t i = 0; i < std::max(expected.size(), found.size()); ++i)
   {
     const std::string there = i < found.size() ? found[i] : "nothing";
     const std::string wanted = i < expected.size() ? expected[i] : "nothing";
     if (i >= found.size() || i >= expected.size() || !matchesPattern(there, wanted))
-      out.push_back("record " + std::to_string(i + 1) + ": " + there + "; expected " + wanted);
+      out.push_back(what + " " + std::to_string(i + 1) + ": " + there + "; expected " + wanted);
   }
 }
 
@@ -206,16 +232,13 @@ std::vector<std::string> differences(const Expectations& expect, const TrialResu
       out.push_back("low-level actions: " + pattern + ", which was never to be done");
   }
   std::vector<std::string> records;
-  for (reasoner::Record record : result.history)
-  {
-    record.confidence = 1.0;  // which is not printed then
-    records.push_back(reasoner::toString(record));
-  }
+  for (const auto& record : result.history)
+    records.push_back(withoutConfidence(record));
   if (expect.history)
   {
     const auto start =
         static_cast<std::ptrdiff_t>(std::min(trace.num_initial_records, records.size()));
-    compareHistory(*expect.history, {records.begin() + start, records.end()}, out);
+    comparePatterns("record", *expect.history, {records.begin() + start, records.end()}, out);
   }
   for (const auto& pattern : expect.recorded)
   {
@@ -232,6 +255,8 @@ std::vector<std::string> differences(const Expectations& expect, const TrialResu
   if (expect.reopened && *expect.reopened != trace.reopened)
     out.push_back("refutations reopened: " + std::to_string(trace.reopened) + "; expected " +
                   std::to_string(*expect.reopened));
+  if (expect.taken_back)
+    comparePatterns("record taken back", *expect.taken_back, trace.taken_back, out);
   if (expect.max_low_level_actions && trace.low_level.size() > *expect.max_low_level_actions)
     out.push_back("low-level actions: " + std::to_string(trace.low_level.size()) +
                   "; expected at most " + std::to_string(*expect.max_low_level_actions));

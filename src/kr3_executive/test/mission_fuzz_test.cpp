@@ -1,8 +1,11 @@
 // What holds of every mission, whatever happens: drawn interventions in two domains.
-// KR3_FUZZ_MISSIONS and KR3_FUZZ_SEED run more of them, or others.
+// KR3_FUZZ_MISSIONS and KR3_FUZZ_SEED run more of them, or others; KR3_FUZZ_REPORT=1 prints a line
+// for each mission, 2 all that happens.
 
 #include <algorithm>
 #include <cstdlib>
+#include <iomanip>
+#include <iostream>
 #include <map>
 #include <memory>
 #include <random>
@@ -217,6 +220,11 @@ public:
 
   void onEvent(const ReportedEvent& event) override
   {
+    if (fromEnvironment("KR3_FUZZ_REPORT", 0) > 1)
+      std::cout << std::setw(9) << toString(event.kind) << "  " << event.narration.text << "\n";
+    if (event.kind == EventKind::kLowLevelAction &&
+        event.narration.text.find("): impossible") != std::string::npos)
+      ++impossible;
     endings += event.kind == EventKind::kDone || event.kind == EventKind::kFailed ||
                        event.kind == EventKind::kCancelled
                    ? 1
@@ -244,6 +252,7 @@ public:
   std::string high_level;
   std::vector<std::string> false_records;  ///< observations that were false when they were recorded
   std::size_t endings = 0;
+  std::size_t impossible = 0;       ///< low-level actions that could not be done
   std::uint32_t most_repeated = 0;  ///< one plan under one hypothesis with one history
 
 private:
@@ -314,6 +323,15 @@ TEST_P(MissionFuzz, KeepsWhatHoldsOfEveryMission)
           missions.domain(), world, script, [&] { return witness.high_level; }, std::move(tell),
           script.seed);
         });
+
+    if (fromEnvironment("KR3_FUZZ_REPORT", 0) > 0)
+    {
+      std::cout << (result.mission.achieved ? "declared" : "ended") << " and "
+                << (result.goal_is_true ? "true" : "not true") << ", " << result.mission.hl_actions
+                << " high-level, " << result.mission.ll_actions << " low-level actions, "
+                << witness.impossible << " impossible: " << drawn << ": " << result.mission.reason
+                << "\n";
+    }
 
     EXPECT_EQ(witness.endings, 1U);
     EXPECT_TRUE(result.mission.code == ErrorCode::kOk ||

@@ -207,6 +207,7 @@ TEST(Differences, NameWhatWasExpectedAndWhatWas)
   fine.history = {{"hpd(go(x), 0)"}};
   fine.explanations = {{{"moved(*) at 0"}}};
   fine.reopened = 0;
+  fine.taken_back = std::vector<std::string>{};
   EXPECT_EQ(differences(fine, result, trace), std::vector<std::string>{});
 
   const auto failsWith = [&](auto change) {
@@ -226,6 +227,7 @@ TEST(Differences, NameWhatWasExpectedAndWhatWas)
   failsWith([](auto& e) { e.not_recorded = {"hpd(go(x), *)"}; });
   failsWith([](auto& e) { e.explanations = std::vector<std::vector<std::string>>{}; });
   failsWith([](auto& e) { e.reopened = 1; });
+  failsWith([](auto& e) { e.taken_back = {{"obs(*)"}}; });
   failsWith([](auto& e) { e.max_low_level_actions = 1; });
 }
 

@@ -31,8 +31,18 @@ struct AbstractMissionConfig
   std::size_t components_per_whole = 4;
   double pitch_m = 2.0;
   std::string bindings = "bindings.yaml";  ///< file in the domain's directory
+  bool require_learned = false;            ///< refuse numbers that were not learned from trials
   /// Shared with missions of other threads; null: policies are cached by these missions alone.
   std::shared_ptr<PolicyCache> policies;
+};
+
+/// The records of a mission that say that a value which was assumed does not hold.
+struct RefutationCount
+{
+  std::size_t all = 0;
+  std::size_t wrong = 0;     ///< it did hold when that was recorded
+  std::size_t doubtful = 0;  ///< not believed above the threshold: a policy gave up
+  std::size_t doubtful_wrong = 0;
 };
 
 struct TrialResult
@@ -40,6 +50,7 @@ struct TrialResult
   MissionResult mission;
   bool goal_is_true = false;              ///< in the world
   std::vector<reasoner::Record> history;  ///< at the end
+  RefutationCount refutations;
 };
 
 /// One mission to run. Aggregate.

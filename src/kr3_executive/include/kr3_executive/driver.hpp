@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -101,6 +102,23 @@ private:
   Event performRecords(const std::vector<reasoner::Record>& records);
   Event performDiagnosis();
   Event performReopen();
+  /// Indices of the records obs(f = v, false, k) by value v, since the fluent was last known to
+  /// have a value: observed or told, or the only one with which an action that happened could
+  /// happen.
+  using Refutations = std::map<std::string, std::vector<std::size_t>>;
+  [[nodiscard]] Refutations openRefutations(const std::string& fluent) const;
+  /// The action that happened could do so with one value of the fluent alone.
+  [[nodiscard]] bool settledBy(const reasoner::Record& happened, const std::string& fluent) const;
+  /// Of the records' being right, independent errors assumed.
+  [[nodiscard]] double logOddsOf(const std::vector<std::size_t>& records) const;
+  /// Marks plans that rest on a value which was refuted: only a change that nobody saw, since then,
+  /// makes it possible.
+  void markRefuted(std::vector<CostedPlan>& plans);
+  /// What may be given up together, with the log odds of its being right.
+  [[nodiscard]] std::vector<reasoner::Retraction> retractable();
+  /// -log of the prior odds of what the history without these records has to assume: exceptions to
+  /// defaults and exogenous actions. Leaves that history with the reasoner.
+  [[nodiscard]] double surpriseWithout(const std::vector<std::size_t>& records);
   /// Indices into the history; none when no record is doubtful.
   [[nodiscard]] std::vector<std::size_t> recordsToGiveUp();
   void apply(const Event& event);
@@ -147,6 +165,7 @@ private:
   std::vector<std::string> surprises_;         // texts, until the diagnosis
   std::vector<std::string> surprised_fluents_;
   std::vector<std::string> exceptions_;  // the minimal explanation in force
+  std::set<std::string> given_up_;       // statements that were taken back in this mission
   std::vector<ExplainedFact> facts_;
   std::map<std::pair<std::string, int>, Support> supports_;  // of the present history
   std::map<std::string, std::string> expected_by_default_;   // default that once gave a literal

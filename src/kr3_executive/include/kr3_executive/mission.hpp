@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -39,7 +40,7 @@ struct Limits
   std::uint32_t max_hl_actions = 40;  ///< per mission
   std::uint32_t max_ll_actions = 60;  ///< per high-level action
   std::uint32_t max_attempts = 3;     ///< of one high-level action under one hypothesis
-  std::uint32_t max_reopened = 3;     ///< refutations taken back per mission
+  std::uint32_t max_reopened = 8;     ///< refutations taken back per mission
   std::uint32_t max_rebuilds = 3;     ///< of the low-level task, per high-level action
   double threshold = 0.85;            ///< belief becomes knowledge above it, in (0.5, 1)
 };
@@ -51,7 +52,9 @@ struct CostedPlan
   double cost_s = 0.0;
   std::string confirms = {};  ///< literal of a goal that is entailed but not known; empty: the plan
                               ///< is for the goal itself
-  std::string reason = {};  ///< why `confirms` is believed
+  std::string reason = {};    ///< why `confirms` is believed
+  bool refuted = false;  ///< it rests on a value that was looked for in vain, and only a change
+                         ///< that nobody saw could have brought since
 };
 
 /// A value that the low level doubts: an assumption of the high-level action under execution.
@@ -224,6 +227,7 @@ struct State
   std::uint32_t rebuilds = 0;         ///< for the current high-level action
   std::uint32_t reopened = 0;
   std::map<std::string, std::uint32_t> failures;  ///< of an action under a hypothesis
+  std::set<std::string> impossible;               ///< the same keys: until something new is known
   ActionResult last_result = ActionResult::kNone;
   Assessment assessment;          ///< of the current high-level action
   bool replan = false;            ///< what was learned may make another plan better

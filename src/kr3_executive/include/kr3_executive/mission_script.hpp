@@ -98,6 +98,7 @@ struct Expectations
   std::vector<std::string> not_recorded;  ///< patterns of records that are not there at the end
   std::optional<std::vector<std::vector<std::string>>> explanations;  ///< after each diagnosis
   std::optional<std::uint32_t> reopened;                              ///< refutations taken back
+  std::optional<std::vector<std::string>> taken_back;  ///< patterns: all such records, in order
   std::optional<std::uint32_t> max_low_level_actions;
 };
 

@@ -18,7 +18,7 @@ using FluentValues = std::map<std::string, std::string>;
 /// Chooses among outcomes.
 struct OutcomeChooser
 {
-  /// Index into the labels of a law with several outcomes that are possible now.
+  /// Index into the labels, of all laws that apply, of the outcomes that are possible now.
   std::function<std::size_t(const std::string& action_symbol,
                             const std::vector<std::string>& labels)>
       outcome;
@@ -43,8 +43,10 @@ public:
 
   [[nodiscard]] bool executable(const FluentValues& state, const reasoner::Atom& action) const;
 
-  /// The state after the action. The action must be executable.
-  /// @param label  receives nothing when null, else the label of the last labelled outcome
+  /// The state after the action. The action must be executable. The labels of all laws that apply
+  /// name one event, which is drawn once; an event cannot happen where one of its effects has no
+  /// value to choose, and without a possible one nothing changes.
+  /// @param label  receives nothing when null or no law has labels, else the event's
   [[nodiscard]] FluentValues successor(const FluentValues& state, const reasoner::Atom& action,
                                        const OutcomeChooser& chooser,
                                        std::string* label = nullptr) const;

@@ -26,7 +26,8 @@ struct MissionTrace
   std::vector<std::vector<std::string>> plans;         ///< actions of each plan that was chosen
   std::size_t num_initial_records = 0;
   std::uint32_t reopened = 0;
-  std::size_t num_endings = 0;  ///< done, failed or cancelled
+  std::vector<std::string> taken_back;  ///< records that left the history, without confidences
+  std::size_t num_endings = 0;          ///< done, failed or cancelled
 };
 
 struct ScriptReport
