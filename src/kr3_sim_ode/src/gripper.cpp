@@ -76,14 +76,30 @@ bool Gripper::open(const Bodies& bodies)
     throw FailedPrecondition("no free surface within the gripper's reach");
   }
   ObjectBody& body = *held_;
-  drop(body);
+  release(body);
   const double facing_robot = yawOf(robot_.T_world_base().orientation) + M_PI;
   body.moveTo(poseOf(Pose2{spot->x, spot->y, facing_robot},
                      spot->surface_z + body.model().size.z / 2.0 + 0.001));
   return true;
 }
 
-void Gripper::drop(const ObjectBody& body)
+bool Gripper::drop(const Bodies& bodies)
+{
+  constexpr double kFall = 0.15;  // m
+  const std::optional<Spot> spot = bestSpot(bodies);
+  if (!spot)
+  {
+    return false;
+  }
+  ObjectBody& body = *held_;
+  release(body);
+  const double yaw = yawOf(robot_.T_world_base().orientation);
+  body.moveTo(poseOf(Pose2{spot->x, spot->y, yaw + M_PI},
+                     spot->surface_z + body.model().size.z / 2.0 + kFall));
+  return true;
+}
+
+void Gripper::release(const ObjectBody& body)
 {
   if (held_ != &body)
   {

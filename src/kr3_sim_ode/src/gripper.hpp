@@ -29,8 +29,12 @@ public:
   /// World::openGripper().
   bool open(const Bodies& bodies);
 
+  /// Loses what is held: it falls on the surface on which open() would put it.
+  /// @return false when there is none; it stays held
+  bool drop(const Bodies& bodies);
+
   /// Lets go of `body` where it is, if it is held.
-  void drop(const ObjectBody& body);
+  void release(const ObjectBody& body);
 
   /// Takes what is held along after the robot was moved by hand.
   void follow();

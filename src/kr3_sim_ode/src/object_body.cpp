@@ -25,6 +25,7 @@ ObjectBody::ObjectBody(Physics& physics, std::string name, const ObjectModel& mo
   dBodySetMass(body_.get(), &mass);
   dGeomSetBody(geom_.get(), body_.get());
   dGeomSetCategoryBits(geom_.get(), kObjectGeom);
+  Physics::nameGeom(geom_.get(), name_);
   setPose(body_.get(), pose);
 }
 

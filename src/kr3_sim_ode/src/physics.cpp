@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 
 namespace kr3::sim
 {
@@ -72,6 +73,19 @@ GeomHandle makeBox(dSpaceID space, const Box& box)
   return geom;
 }
 
+const std::string kWallName = "wall";
+const std::string kFloorName = "floor";
+
+const std::string& nameOf(dGeomID geom)
+{
+  return *static_cast<const std::string*>(dGeomGetData(geom));
+}
+
+bool isMoving(dBodyID body)
+{
+  return body != nullptr && dBodyIsEnabled(body) != 0;
+}
+
 bool isRobot(dGeomID geom)
 {
   return (dGeomGetCategoryBits(geom) & (kRobotGeom | kCasterGeom)) != 0;
@@ -90,14 +104,18 @@ Physics::Physics(const Building& building, std::uint64_t seed, double time_step_
   , ray_(dCreateRay(nullptr, 1.0))
 {
   dGeomSetCategoryBits(floor_.get(), kFloorGeom);
+  nameGeom(floor_.get(), kFloorName);
   dGeomRaySetClosestHit(ray_.get(), 1);
   for (const Box& wall : wallsOf(building))
   {
     boxes_.push_back(makeBox(statics_.get(), wall));
+    nameGeom(boxes_.back().get(), kWallName);
   }
   for (const Furniture& furniture : building.furniture)
   {
     boxes_.push_back(makeBox(statics_.get(), furniture.box()));
+    names_.push_back(furniture.name);
+    nameGeom(boxes_.back().get(), names_.back());
   }
 }
 
@@ -112,6 +130,7 @@ void Physics::step()
   dSpaceCollide2(geomOf(objects_), floor_.get(), this, onNear);
   dSpaceCollide(objects_.get(), this, onNear);
   dWorldQuickStep(world_.get(), time_step_s_);
+  sumContacts();
   dJointGroupEmpty(contacts_.get());
   random_state_ = dRandGetSeed();
   dRandSetSeed(outer_state);
@@ -134,7 +153,7 @@ void Physics::collide(dGeomID a, dGeomID b)
   dBodyID body_b = dGeomGetBody(b);
   const bool joined = body_a != nullptr && body_b != nullptr &&
                       dAreConnectedExcluding(body_a, body_b, dJointTypeContact) != 0;
-  if (body_a == body_b || joined)
+  if (body_a == body_b || joined || (!isMoving(body_a) && !isMoving(body_b)))
   {
     return;
   }
@@ -152,8 +171,103 @@ void Physics::collide(dGeomID a, dGeomID b)
     contact.surface.mu = (categories & kCasterGeom) != 0 ? 0.0 : kFriction;
     contact.surface.soft_erp = 0.3;
     contact.surface.soft_cfm = 1e-5;
-    dJointAttach(dJointCreateContact(world_.get(), contacts_.get(), &contact), body_a, body_b);
+    dJointID joint = dJointCreateContact(world_.get(), contacts_.get(), &contact);
+    dJointAttach(joint, body_a, body_b);
+    if ((categories & kFloorGeom) == 0 || (categories & kObjectGeom) != 0)
+    {
+      noteContact(a, b, contact.geom, joint);
+    }
   }
+}
+
+void Physics::noteContact(dGeomID a, dGeomID b, const dContactGeom& contact, dJointID joint)
+{
+  PendingContact& pending = pending_contacts_.emplace_back();
+  pending.name_a = &nameOf(a);
+  pending.name_b = &nameOf(b);
+  pending.contact = contact;
+  dJointSetFeedback(joint, &pending.feedback);
+}
+
+void Physics::sumContacts()
+{
+  for (const PendingContact& pending : pending_contacts_)
+  {
+    const bool in_order = *pending.name_a <= *pending.name_b;
+    const std::string& first = in_order ? *pending.name_a : *pending.name_b;
+    const std::string& second = in_order ? *pending.name_b : *pending.name_a;
+    ContactReport& report = contact_reports_[{first, second}];
+    const dContactGeom& contact = pending.contact;
+    if (report.body_a.empty() || contact.depth > report.depth_m)
+    {
+      const double sign = in_order ? 1.0 : -1.0;
+      report.body_a = first;
+      report.body_b = second;
+      report.depth_m = contact.depth;
+      report.position = {contact.pos[0], contact.pos[1], contact.pos[2]};
+      report.normal = {sign * contact.normal[0], sign * contact.normal[1],
+                       sign * contact.normal[2]};
+    }
+    // The same force, once on either body; one of the two may be the world.
+    const auto magnitude = [](const dReal* f) { return std::hypot(f[0], f[1], f[2]); };
+    report.impulse_ns +=
+        time_step_s_ * std::max(magnitude(pending.feedback.f1), magnitude(pending.feedback.f2));
+  }
+  pending_contacts_.clear();
+}
+
+std::vector<ContactReport> Physics::takeContacts()
+{
+  std::vector<ContactReport> reports;
+  for (auto& [bodies, report] : contact_reports_)
+  {
+    reports.push_back(std::move(report));
+  }
+  contact_reports_.clear();
+  return reports;
+}
+
+void Physics::nameGeom(dGeomID geom, const std::string& name)
+{
+  dGeomSetData(geom, const_cast<std::string*>(&name));  // read back as constant
+}
+
+std::string Physics::penetrated(dGeomID probe, double tolerance_m, dBodyID except,
+                                bool with_robot) const
+{
+  struct Search
+  {
+    double tolerance_m;
+    dBodyID except;
+    std::string found;
+  } search{tolerance_m, except, {}};
+  const auto look = [](void* data, dGeomID a, dGeomID b) {
+    auto& current = *static_cast<Search*>(data);
+    constexpr int kCount = 8;
+    std::array<dContactGeom, kCount> contacts{};
+    dGeomID other = dGeomGetData(b) == nullptr ? a : b;  // the probe has no name
+    dBodyID body = dGeomGetBody(other);
+    if (body != nullptr && body == current.except)
+    {
+      return;
+    }
+    const int count = dCollide(a, b, kCount, contacts.data(), sizeof(dContactGeom));
+    for (int i = 0; i < count; ++i)
+    {
+      if (contacts.at(static_cast<std::size_t>(i)).depth > current.tolerance_m)
+      {
+        current.found = nameOf(other);
+      }
+    }
+  };
+  dSpaceCollide2(probe, geomOf(statics_), &search, look);
+  dSpaceCollide2(probe, geomOf(objects_), &search, look);
+  dSpaceCollide2(probe, floor_.get(), &search, look);
+  if (with_robot)
+  {
+    dSpaceCollide2(probe, geomOf(robot_), &search, look);
+  }
+  return search.found;
 }
 
 void Physics::noteRobotContact(dGeomID other)

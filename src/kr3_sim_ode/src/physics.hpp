@@ -1,10 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "kr3_sim_ode/building.hpp"
+#include "kr3_sim_ode/contact.hpp"
 #include "ode_handles.hpp"
 
 namespace kr3::sim
@@ -46,6 +50,18 @@ public:
   [[nodiscard]] double castRay(const Vector3& origin, const Vector3& direction, double max_range_m,
                                bool with_objects) const;
 
+  /// What touched since the last call, by the names of the bodies; the robot's wheels on the floor
+  /// and what rests without moving are left out.
+  [[nodiscard]] std::vector<ContactReport> takeContacts();
+
+  /// Says in contacts whose geom it is. @param name  outlives the geom
+  static void nameGeom(dGeomID geom, const std::string& name);
+
+  /// The name of something solid, or of the floor, into which `probe` reaches deeper than
+  /// `tolerance_m`; geoms of `except` are left out. Empty: nothing.
+  [[nodiscard]] std::string penetrated(dGeomID probe, double tolerance_m, dBodyID except,
+                                       bool with_robot) const;
+
   /// The geoms of walls, furniture and objects.
   [[nodiscard]] std::vector<dGeomID> solids() const;
 
@@ -53,6 +69,17 @@ private:
   static void onNear(void* self, dGeomID a, dGeomID b);
   void collide(dGeomID a, dGeomID b);
   void noteRobotContact(dGeomID other);
+  void noteContact(dGeomID a, dGeomID b, const dContactGeom& contact, dJointID joint);
+  void sumContacts();
+
+  /// A contact joint of the step that is being computed.
+  struct PendingContact
+  {
+    const std::string* name_a;
+    const std::string* name_b;
+    dContactGeom contact;
+    dJointFeedback feedback;
+  };
 
   double time_step_s_;
   unsigned long random_state_;
@@ -66,6 +93,9 @@ private:
   SpaceHandle robot_;
   GeomHandle floor_;
   GeomHandle ray_;
+  std::deque<std::string> names_;  // of furniture; addresses stay
+  std::deque<PendingContact> pending_contacts_;
+  std::map<std::pair<std::string, std::string>, ContactReport> contact_reports_;
   std::vector<GeomHandle> boxes_;
 };
 

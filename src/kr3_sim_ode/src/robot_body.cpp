@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace kr3::sim
 {
@@ -14,6 +15,8 @@ constexpr double kCasterX = 0.17;       // m, before and behind the axle
 // Casters hang a little above the floor, as sprung ones do: otherwise they, not the wheels, may
 // carry the weight, and the wheels slip.
 constexpr double kCasterClearance = 0.002;  // m
+
+const std::string kRobotName = "robot";
 
 double approached(double from, double to, double max_change)
 {
@@ -64,6 +67,11 @@ RobotBody::RobotBody(Physics& physics, const RobotModel& model, const Pose2& sta
     dJointSetHingeAnchor(motor.get(), 0.0, side * model.track_m / 2.0, model.wheel_radius_m);
     dJointSetHingeAxis(motor.get(), 0.0, -1.0, 0.0);  // turning forwards is positive
     dJointSetHingeParam(motor.get(), dParamFMax, model.wheel_torque_nm);
+  }
+  for (dGeomID geom : {base_geom_.get(), caster_geoms_[0].get(), caster_geoms_[1].get(),
+                       wheel_geoms_[0].get(), wheel_geoms_[1].get()})
+  {
+    Physics::nameGeom(geom, kRobotName);
   }
   moveTo(start);
 }

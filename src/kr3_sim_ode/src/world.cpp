@@ -19,7 +19,8 @@ namespace kr3::sim
 
 namespace
 {
-constexpr double kSettlingTime = 0.5;  // s
+constexpr double kSettlingTime = 0.5;     // s
+constexpr double kMaxPenetration = 0.01;  // m, of what is put somewhere by hand
 
 /// @throws InvalidArgument  not finite, or no rotation
 Pose checkedPose(const Pose& pose)
@@ -48,11 +49,13 @@ public:
     , odometry_(config.robot.wheel_radius_m, config.robot.track_m, config.odometry, config.seed)
     , gripper_(building, physics_, robot_, config.robot, config.grasp_failure_rate, config.seed)
     , laser_generator_(makeGenerator(config.seed, Stream::kLaser))
+    , drop_generator_(makeGenerator(config.seed, Stream::kDrop))
   {
     for (const ObjectState& object : objects)
     {
       spawn(object.name, object.model, object.pose);
     }
+    drawDrop();
     const auto settling_steps = static_cast<int>(kSettlingTime / config.time_step_s);
     for (int i = 0; i < settling_steps; ++i)
     {
@@ -67,6 +70,22 @@ public:
     robot_.control(config_.time_step_s);
     physics_.step();
     odometry_.update(robot_.wheelRates(), config_.time_step_s);
+    if (gripper_.held() != nullptr && config_.drop_rate_per_m > 0.0)
+    {
+      carried_m_ += std::abs(robot_.velocity().speed_m_s) * config_.time_step_s;
+      if (carried_m_ >= drop_after_m_ && gripper_.drop(bodies_))
+      {
+        drawDrop();
+      }
+    }
+  }
+
+  /// Decides after how many metres of carrying the next drop comes.
+  void drawDrop()
+  {
+    carried_m_ = 0.0;
+    drop_after_m_ = std::exponential_distribution<double>(std::max(config_.drop_rate_per_m, 1e-9))(
+        drop_generator_);
   }
 
   std::vector<double> scan()
@@ -99,30 +118,104 @@ public:
     {
       throw InvalidArgument("the object name '" + name + "' is taken or not allowed");
     }
-    bodies_.push_back(
-        std::make_unique<ObjectBody>(physics_, name, findModel(models_, model), checkedPose(pose)));
+    auto body =
+        std::make_unique<ObjectBody>(physics_, name, findModel(models_, model), checkedPose(pose));
+    requireRoom(*body);
+    bodies_.push_back(std::move(body));
+  }
+
+  /// @throws InvalidArgument  the object is inside of something
+  void requireRoom(const ObjectBody& body) const
+  {
+    const std::string other = physics_.penetrated(body.geom(), kMaxPenetration, body.body(), true);
+    if (!other.empty())
+    {
+      throw InvalidArgument("'" + body.name() + "' would be inside of '" + other + "'");
+    }
   }
 
   void remove(const std::string& name)
   {
     const auto body = existing(name);
-    gripper_.drop(**body);
+    gripper_.release(**body);
     bodies_.erase(body);
+    wakeObjects();
   }
 
   void setObjectPose(const std::string& name, const Pose& pose)
   {
     const Pose checked = checkedPose(pose);
     const auto body = existing(name);
-    gripper_.drop(**body);
+    const Pose before = (*body)->pose();
     (*body)->moveTo(checked);
+    try
+    {
+      requireRoom(**body);
+    }
+    catch (const InvalidArgument&)
+    {
+      (*body)->moveTo(before);
+      gripper_.follow();
+      throw;
+    }
+    gripper_.release(**body);
+    wakeObjects();
+  }
+
+  bool closeGripper()
+  {
+    const bool holds = gripper_.close(bodies_);
+    wakeObjects();
+    return holds;
+  }
+
+  /// What lay on something that was taken away must fall.
+  void wakeObjects()
+  {
+    for (const auto& body : bodies_)
+    {
+      dBodyEnable(body->body());
+    }
   }
 
   void setRobotPose(const Pose2& pose)
   {
     (void)checkedPose(poseOf(pose, 0.0));
+    const Rectangle all = building_.extent();
+    if (!all.contains(pose.x, pose.y))
+    {
+      throw InvalidArgument("the robot would be outside of the building");
+    }
+    // A box around the base, above the floor on which the wheels stand.
+    const Vector3& size = config_.robot.base_size;
+    const GeomHandle probe(dCreateBox(nullptr, size.x, size.y, size.z));
+    const Pose at = poseOf(pose, config_.robot.base_center_z_m);
+    const dQuaternion q = {at.orientation.w, at.orientation.x, at.orientation.y, at.orientation.z};
+    dGeomSetPosition(probe.get(), at.position.x, at.position.y, at.position.z);
+    dGeomSetQuaternion(probe.get(), q);
+    const ObjectBody* const held = gripper_.held();
+    const std::string other = physics_.penetrated(probe.get(), kMaxPenetration,
+                                                  held == nullptr ? nullptr : held->body(), false);
+    if (!other.empty())
+    {
+      throw InvalidArgument("the robot would be inside of '" + other + "'");
+    }
     robot_.moveTo(pose);
     gripper_.follow();
+  }
+
+  std::vector<BodyTwist> twists() const
+  {
+    const auto vector = [](const dReal* v) { return Vector3{v[0], v[1], v[2]}; };
+    const auto twistOf = [&](const std::string& name, dBodyID body) {
+      return BodyTwist{name, vector(dBodyGetLinearVel(body)), vector(dBodyGetAngularVel(body))};
+    };
+    std::vector<BodyTwist> result{twistOf("robot", robot_.base())};
+    for (const auto& body : bodies_)
+    {
+      result.push_back(twistOf(body->name(), body->body()));
+    }
+    return result;
   }
 
   std::vector<ObjectState> objects() const
@@ -165,6 +258,9 @@ private:
   }
 
   std::mt19937_64 laser_generator_;
+  std::mt19937_64 drop_generator_;
+  double carried_m_ = 0.0;
+  double drop_after_m_ = 0.0;
 };
 
 World::World(const Building& building, const std::vector<ObjectModel>& models,
@@ -220,6 +316,16 @@ std::uint32_t World::robotContacts() const
   return impl_->physics_.robotContacts();
 }
 
+std::vector<ContactReport> World::takeContacts()
+{
+  return impl_->physics_.takeContacts();
+}
+
+std::vector<BodyTwist> World::twists() const
+{
+  return impl_->twists();
+}
+
 std::vector<double> World::scan()
 {
   return impl_->scan();
@@ -245,12 +351,22 @@ std::vector<std::uint8_t> World::octomap(const OctomapOptions& options) const
 
 bool World::closeGripper()
 {
-  return impl_->gripper_.close(impl_->bodies_);
+  return impl_->closeGripper();
 }
 
 bool World::openGripper()
 {
   return impl_->gripper_.open(impl_->bodies_);
+}
+
+std::optional<std::string> World::dropHeld()
+{
+  const std::optional<std::string> name = held();
+  if (name && !impl_->gripper_.drop(impl_->bodies_))
+  {
+    throw FailedPrecondition("no free room in front for '" + *name + "' to fall on");
+  }
+  return name;
 }
 
 void World::spawn(const std::string& name, const std::string& model, const Pose& pose)

@@ -17,6 +17,7 @@ enum class Stream : std::uint32_t
   kLight = 5,
   kCamera = 6,
   kDataset = 7,
+  kDrop = 8,
 };
 
 /// The generator of one stream of the simulation with this seed.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kr3_sim_ode/building.hpp"
+#include "kr3_sim_ode/contact.hpp"
 #include "kr3_sim_ode/object_model.hpp"
 #include "kr3_sim_ode/octomap.hpp"
 #include "kr3_sim_ode/odometry.hpp"
@@ -34,6 +35,7 @@ struct WorldConfig
   LaserModel laser;
   OdometryNoise odometry;
   double grasp_failure_rate = 0.05;
+  double drop_rate_per_m = 0.0;  ///< of what is carried, for each metre driven
 };
 
 /// A building with objects and a robot, simulated by rigid bodies in fixed steps.
@@ -69,6 +71,13 @@ public:
   /// How often the robot bumped into something (Physics::robotContacts()).
   [[nodiscard]] std::uint32_t robotContacts() const;
 
+  /// What touched since the last call, in the order of the names: walls, furniture, objects, the
+  /// robot's body. The robot's wheels on the floor and what rests without moving are left out.
+  [[nodiscard]] std::vector<ContactReport> takeContacts();
+
+  /// Of the robot ("robot"), then of every object.
+  [[nodiscard]] std::vector<BodyTwist> twists() const;
+
   /// One scan from where the robot is now, shape [num_beams], metres; infinity where nothing
   /// returned. Beam i points to -pi + i * 2 pi / num_beams in frame laser.
   [[nodiscard]] std::vector<double> scan();
@@ -96,7 +105,14 @@ public:
   /// @throws FailedPrecondition  no free surface within reach; the object stays held
   bool openGripper();
 
-  /// @throws InvalidArgument  the name is taken, or the pose is not a pose
+  /// Lets go of what is held: it falls on the free surface in front, as by accident. What is held
+  /// is dropped on the way, too, at `drop_rate_per_m`, as soon as there is free room for it.
+  /// @return the object; nothing when none was held
+  /// @throws FailedPrecondition  no free room in front; the object stays held
+  std::optional<std::string> dropHeld();
+
+  /// @throws InvalidArgument  the name is taken, the pose is not a pose, or the object would be
+  ///                          inside of something
   /// @throws NotFound         no such model
   void spawn(const std::string& name, const std::string& model, const Pose& pose);
 
@@ -105,11 +121,12 @@ public:
 
   /// Puts an object down at a pose with zero velocity; the gripper lets go of it first.
   /// @throws NotFound         no such object
-  /// @throws InvalidArgument  the pose is not a pose
+  /// @throws InvalidArgument  the pose is not a pose, or the object would be inside of something
   void setObjectPose(const std::string& name, const Pose& pose);
 
   /// Puts the robot, with what it holds, elsewhere. The odometry does not notice.
-  /// @throws InvalidArgument  a value is not finite
+  /// @throws InvalidArgument  a value is not finite, or the robot would be inside of something or
+  ///                          outside of the building
   void setRobotPose(const Pose2& pose);
 
 private:

@@ -9,6 +9,19 @@
 namespace kr3::sim
 {
 
+namespace
+{
+template <typename Msg>
+Msg vectorMsg(const Vector3& v)
+{
+  Msg msg;
+  msg.x = v.x;
+  msg.y = v.y;
+  msg.z = v.z;
+  return msg;
+}
+}  // namespace
+
 geometry_msgs::Pose toMsg(const Pose& pose)
 {
   geometry_msgs::Pose msg;
@@ -119,6 +132,38 @@ kr3_msgs::ModelStates toModelStates(const ros::Time& stamp, const World& world)
     msg.models.push_back(model);
   }
   msg.held = world.held().value_or("");
+  return msg;
+}
+
+kr3_msgs::ModelTwists toModelTwists(const ros::Time& stamp, const std::vector<BodyTwist>& twists)
+{
+  kr3_msgs::ModelTwists msg;
+  msg.header = makeHeader(stamp, names::kWorldFrame);
+  for (const BodyTwist& twist : twists)
+  {
+    msg.names.push_back(twist.name);
+    geometry_msgs::Twist& out = msg.twists.emplace_back();
+    out.linear = vectorMsg<geometry_msgs::Vector3>(twist.linear_m_s);
+    out.angular = vectorMsg<geometry_msgs::Vector3>(twist.angular_rad_s);
+  }
+  return msg;
+}
+
+kr3_msgs::ContactArray toContactArray(const ros::Time& stamp,
+                                      const std::vector<ContactReport>& contacts)
+{
+  kr3_msgs::ContactArray msg;
+  msg.header = makeHeader(stamp, names::kWorldFrame);
+  for (const ContactReport& contact : contacts)
+  {
+    kr3_msgs::Contact& out = msg.contacts.emplace_back();
+    out.body_a = contact.body_a;
+    out.body_b = contact.body_b;
+    out.position = vectorMsg<geometry_msgs::Point>(contact.position);
+    out.normal = vectorMsg<geometry_msgs::Vector3>(contact.normal);
+    out.depth = contact.depth_m;
+    out.impulse = contact.impulse_ns;
+  }
   return msg;
 }
 

@@ -10,7 +10,9 @@
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/LaserScan.h>
 
+#include <kr3_msgs/ContactArray.h>
 #include <kr3_msgs/ModelStates.h>
+#include <kr3_msgs/ModelTwists.h>
 
 #include "kr3_sim_ode/camera.hpp"
 #include "kr3_sim_ode/world.hpp"
@@ -37,6 +39,11 @@ namespace kr3::sim
 [[nodiscard]] sensor_msgs::CameraInfo toCameraInfo(const ros::Time& stamp,
                                                    const CameraModel& camera);
 [[nodiscard]] kr3_msgs::ModelStates toModelStates(const ros::Time& stamp, const World& world);
+
+[[nodiscard]] kr3_msgs::ModelTwists toModelTwists(const ros::Time& stamp,
+                                                  const std::vector<BodyTwist>& twists);
+[[nodiscard]] kr3_msgs::ContactArray toContactArray(const ros::Time& stamp,
+                                                    const std::vector<ContactReport>& contacts);
 
 /// laser, camera_link, camera_optical_frame and gripper, where they are mounted.
 [[nodiscard]] std::vector<geometry_msgs::TransformStamped> mountTransforms(const ros::Time& stamp,

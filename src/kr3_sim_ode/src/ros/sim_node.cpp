@@ -25,9 +25,10 @@ constexpr double kClockPeriod = 0.01;  // s, simulated, as all periods here
 constexpr double kOdometryPeriod = 0.02;
 constexpr double kScanPeriod = 0.1;
 constexpr double kModelsPeriod = 1.0;
-constexpr double kStatePeriod = 1.0;  // s, wall
-constexpr double kMaxWait = 0.01;     // s, wall
-constexpr double kMaxLag = 0.2;       // s, wall: what is lost beyond it is not caught up
+constexpr double kStatePeriod = 1.0;          // s, wall
+constexpr double kMaxWait = 0.01;             // s, wall
+constexpr double kWaitForConsumers = 0.0005;  // s, wall
+constexpr double kMaxLag = 0.2;               // s, wall: what is lost beyond it is not caught up
 constexpr std::uint32_t kMaxStepsPerRequest = 100000;
 }  // namespace
 
@@ -44,15 +45,18 @@ SimNode::SimNode(ros::NodeHandle nh, const SimNodeConfig& config)
   , image_(nh_.advertise<sensor_msgs::Image>(names::kImage, 2))
   , camera_info_(nh_.advertise<sensor_msgs::CameraInfo>(names::kCameraInfo, 2))
   , holding_(nh_.advertise<std_msgs::Bool>(names::kHolding, 1, true))
-  , true_pose_(nh_.advertise<nav_msgs::Odometry>(names::kTruePose, 50))
-  , true_models_(nh_.advertise<kr3_msgs::ModelStates>(names::kTrueModels, 5, true))
   , state_(nh_.advertise<kr3_msgs::SimulationState>(names::kState, 5))
-  , octomap_(nh_, config.octomap)
-  , command_(nh_.subscribe(names::kCommand, 5, &SimNode::onCommand, this))
+  , ground_truth_(nh_, config.octomap)
+  , lockstep_(nh_,
+              ros::Duration(static_cast<double>(tickSteps()) * config.scenario.world.time_step_s),
+              config.lockstep_consumers, config.lockstep_timeout_s, [this] { return now(); })
+  , command_(nh_.subscribe(names::kCommand, 100, &SimNode::onCommand, this,
+                           ros::TransportHints().tcpNoDelay()))
   , close_(nh_.advertiseService(names::kCloseGripper, &SimNode::onClose, this))
   , open_(nh_.advertiseService(names::kOpenGripper, &SimNode::onOpen, this))
   , pause_(nh_.advertiseService(names::kPause, &SimNode::onPause, this))
   , resume_(nh_.advertiseService(names::kResume, &SimNode::onResume, this))
+  , drop_(nh_.advertiseService(names::kDrop, &SimNode::onDrop, this))
   , reset_(nh_.advertiseService(names::kReset, &SimNode::onReset, this))
   , step_(nh_.advertiseService(names::kStep, &SimNode::onStep, this))
   , spawn_(nh_.advertiseService(names::kSpawn, &SimNode::onSpawn, this))
@@ -75,6 +79,12 @@ ros::Time SimNode::now() const
   return time;
 }
 
+std::uint64_t SimNode::tickSteps() const
+{
+  return static_cast<std::uint64_t>(
+      std::max(1.0, std::round(kClockPeriod / config_.scenario.world.time_step_s)));
+}
+
 bool SimNode::isDue(double period_s) const
 {
   const auto period_steps = static_cast<std::uint64_t>(
@@ -86,8 +96,6 @@ void SimNode::run()
 {
   ros::CallbackQueue& queue = *ros::getGlobalCallbackQueue();
   const double step_s = config_.scenario.world.time_step_s;
-  const auto tick_steps =
-      static_cast<std::uint64_t>(std::max(1.0, std::round(kClockPeriod / step_s)));
   double ahead = 0.0;  // wall seconds by which simulated time leads
   ros::WallTime last = ros::WallTime::now();
   while (ros::ok())
@@ -99,15 +107,22 @@ void SimNode::run()
     if (paused_)
     {
       ahead = kMaxWait;
+      lockstep_.advanced();  // nobody can be late meanwhile
+    }
+    else if (ahead <= 0.0 && !lockstep_.mayAdvance())
+    {
+      ahead = kWaitForConsumers;
     }
     else if (ahead <= 0.0)
     {
-      advance(tick_steps);
+      const std::uint64_t steps = tickSteps() - total_steps_ % tickSteps();
+      advance(steps);
+      lockstep_.advanced();
       ahead = config_.real_time_factor > 0.0
-                  ? ahead + static_cast<double>(tick_steps) * step_s / config_.real_time_factor
+                  ? ahead + static_cast<double>(steps) * step_s / config_.real_time_factor
                   : 0.0;
     }
-    octomap_.update(*world_);
+    ground_truth_.update(*world_);
     publishWallClockState();
   }
 }
@@ -123,6 +138,10 @@ void SimNode::advance(std::uint64_t steps)
     }
     world_->step();
     ++total_steps_;
+    if (published_holding_ != world_->held().has_value())
+    {
+      publishChanges();  // dropped on the way
+    }
     publishDue();
   }
 }
@@ -142,8 +161,7 @@ void SimNode::publishDue()
         toOdometry(now(), names::kOdomFrame, T_odom_base, world_->odometryVelocity()));
     transforms_.sendTransform(
         toTransform(now(), names::kOdomFrame, names::kBaseFrame, T_odom_base));
-    true_pose_.publish(
-        toOdometry(now(), names::kWorldFrame, world_->robotPose(), world_->robotVelocity()));
+    ground_truth_.publishMotion(now(), *world_);
   }
   if (isDue(kScanPeriod))
   {
@@ -155,7 +173,7 @@ void SimNode::publishDue()
   }
   if (isDue(kModelsPeriod))
   {
-    true_models_.publish(toModelStates(now(), *world_));
+    ground_truth_.publishModels(now(), *world_);
   }
 }
 
@@ -174,7 +192,7 @@ void SimNode::publishCamera()
 
 void SimNode::publishChanges()
 {
-  octomap_.noteChange();
+  ground_truth_.noteChange();
   const bool holding = world_->held().has_value();
   if (published_holding_ != holding)
   {
@@ -183,7 +201,7 @@ void SimNode::publishChanges()
     holding_.publish(msg);
     published_holding_ = holding;
   }
-  true_models_.publish(toModelStates(now(), *world_));
+  ground_truth_.publishModels(now(), *world_);
 }
 
 void SimNode::publishWallClockState()
@@ -217,8 +235,10 @@ void SimNode::reset()
   ROS_INFO("reset, seed %lu", static_cast<unsigned long>(config_.scenario.world.seed));
 }
 
-void SimNode::onCommand(const geometry_msgs::Twist& command)
+void SimNode::onCommand(const ros::MessageEvent<const geometry_msgs::Twist>& event)
 {
+  lockstep_.noteCommand(event.getPublisherName());
+  const geometry_msgs::Twist& command = *event.getConstMessage();
   try
   {
     world_->setCommand(command.linear.x, command.angular.z);
@@ -261,6 +281,26 @@ bool SimNode::onResume(std_srvs::Trigger::Request& /*request*/,
 {
   paused_ = false;
   response.success = 1;
+  return true;
+}
+
+bool SimNode::onDrop(std_srvs::Trigger::Request& /*request*/, std_srvs::Trigger::Response& response)
+{
+  kr3_msgs::Status status;
+  respond(status, "drop what is held", [&] {
+    const std::optional<std::string> dropped = world_->dropHeld();
+    if (!dropped)
+    {
+      throw FailedPrecondition("nothing is held");
+    }
+    publishChanges();
+    response.message = *dropped;
+  });
+  response.success = static_cast<std::uint8_t>(status.code == kr3_msgs::Status::OK);
+  if (response.success == 0)
+  {
+    response.message = status.message;
+  }
   return true;
 }
 
@@ -341,6 +381,7 @@ void SimNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
   }
   status.add("real-time factor", achieved_factor_);
   status.add("real-time factor asked for", config_.real_time_factor);
+  status.add("lockstep waits for", lockstep_.waitingFor());
   status.add("robot contacts", world_->robotContacts());
 }
 

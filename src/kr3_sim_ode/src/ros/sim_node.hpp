@@ -19,7 +19,8 @@
 #include <kr3_msgs/SpawnModel.h>
 #include <kr3_msgs/StepSimulation.h>
 
-#include "octomap_publisher.hpp"
+#include "ground_truth.hpp"
+#include "lockstep_servers.hpp"
 #include "sim_node_config.hpp"
 
 namespace kr3::sim
@@ -41,6 +42,9 @@ private:
   [[nodiscard]] ros::Time now() const;
   [[nodiscard]] bool isDue(double period_s) const;
 
+  /// Steps between two messages of the clock.
+  [[nodiscard]] std::uint64_t tickSteps() const;
+
   void advance(std::uint64_t steps);
   void publishDue();
   void publishCamera();
@@ -48,12 +52,13 @@ private:
   void publishWallClockState();
   void reset();
 
-  void onCommand(const geometry_msgs::Twist& command);
+  void onCommand(const ros::MessageEvent<const geometry_msgs::Twist>& event);
   bool onClose(kr3_msgs::CloseGripper::Request& request,
                kr3_msgs::CloseGripper::Response& response);
   bool onOpen(kr3_msgs::OpenGripper::Request& request, kr3_msgs::OpenGripper::Response& response);
   bool onPause(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool onResume(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  bool onDrop(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool onStep(kr3_msgs::StepSimulation::Request& request,
               kr3_msgs::StepSimulation::Response& response);
@@ -86,15 +91,15 @@ private:
   ros::Publisher image_;
   ros::Publisher camera_info_;
   ros::Publisher holding_;
-  ros::Publisher true_pose_;
-  ros::Publisher true_models_;
   ros::Publisher state_;
-  OctomapPublisher octomap_;
+  GroundTruth ground_truth_;
+  LockstepServers lockstep_;
   ros::Subscriber command_;
   ros::ServiceServer close_;
   ros::ServiceServer open_;
   ros::ServiceServer pause_;
   ros::ServiceServer resume_;
+  ros::ServiceServer drop_;
   ros::ServiceServer reset_;
   ros::ServiceServer step_;
   ros::ServiceServer spawn_;

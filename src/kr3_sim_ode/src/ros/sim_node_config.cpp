@@ -50,8 +50,11 @@ SimNodeConfig loadSimNodeConfig(const ros::NodeHandle& private_nh)
   number("odometry_track_stddev", world.odometry.track_stddev, 0.0, 0.1);
   number("odometry_slip_stddev", world.odometry.slip_stddev, 0.0, 1.0);
   number("grasp_failure_rate", world.grasp_failure_rate, 0.0, 1.0);
+  number("drop_rate", world.drop_rate_per_m, 0.0, 10.0);
   number("gripper_reach", world.robot.reach_m, 0.3, 2.0);
   number("gripper_reach_angle", world.robot.reach_angle_rad, 0.05, 3.1);
+  config.lockstep_consumers = params.get("lockstep_consumers", config.lockstep_consumers);
+  number("lockstep_timeout", config.lockstep_timeout_s, 0.1, 3600.0);
   number("octomap_resolution", config.octomap.resolution_m, 0.01, 1.0);
   number("octomap_z_min", config.octomap.z_min_m, -1.0, 10.0);
   number("octomap_z_max", config.octomap.z_max_m, -1.0, 10.0);

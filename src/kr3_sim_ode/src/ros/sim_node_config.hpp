@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include <ros/node_handle.h>
 
 #include "kr3_sim_ode/camera.hpp"
@@ -14,6 +17,8 @@ struct SimNodeConfig
   CameraModel camera;
   CameraNoise camera_noise;
   OctomapOptions octomap;
+  std::vector<std::string> lockstep_consumers;  ///< time does not begin without these
+  double lockstep_timeout_s = 5.0;              ///< wall; for consumers that state none
   double camera_rate_hz = 5.0;
   double real_time_factor = 1.0;   ///< simulated seconds per wall second; 0: as fast as possible
   double command_timeout_s = 0.5;  ///< simulated
