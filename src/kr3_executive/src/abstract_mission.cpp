@@ -195,6 +195,7 @@ TrialResult AbstractMissions::run(const MissionSetup& setup, MissionObserver& ob
   result.goal_is_true = world.holds(formula);
   result.history = mission->knowledge().history;
   result.refutations = witness.refutations;
+  result.fine = world.fine();
   return result;
 }
 

@@ -14,6 +14,7 @@ namespace kr3::executive
 {
 
 class CoarsePlan;
+class CoarsePolicy;
 class TestPlan;
 
 /// A flat model with the policy found for it.
@@ -35,7 +36,9 @@ public:
   std::map<std::string, std::shared_ptr<FlatPlan>> flat;          ///< by task, goal and belief
   std::map<std::string, std::string> too_large;                   ///< likewise: what was said
   std::map<std::string, std::shared_ptr<CoarsePlan>> coarse;      ///< likewise
-  std::map<std::string, std::shared_ptr<TestPlan>> tests;         ///< likewise
+  /// Likewise; null where the upper level is too large.
+  std::map<std::string, std::shared_ptr<CoarsePolicy>> coarse_policies;
+  std::map<std::string, std::shared_ptr<TestPlan>> tests;  ///< likewise
 };
 
 /// A key for what depends on a task, a goal and a belief over its states.

@@ -20,6 +20,8 @@ using reasoner::Record;
 
 /// Belief that counts as knowledge once nothing better is left to do, as in Algorithm 1.
 constexpr double kMoreLikelyThanNot = 0.5;
+/// Belief that no further look can better.
+constexpr double kCertain = 1.0 - 1e-9;
 
 std::string textOf(const std::vector<Record>& history)
 {
@@ -171,11 +173,8 @@ Finish BeliefMission::run(const reasoner::Formula& goal, const Limits& limits, d
   {
     takeInTold();
     const double achieved = belief_->probability(goal);
-    if (achieved > limits.threshold)
-    {
-      return {ErrorCode::kOk, true,
-              "the goal holds with probability " + rounded(achieved) + ", above the threshold"};
-    }
+    if (achieved > kCertain)
+      return {ErrorCode::kOk, true, "the goal holds with probability " + rounded(achieved)};
     if (cancel_)
     {
       note(MissionCancelled{});
@@ -188,7 +187,7 @@ Finish BeliefMission::run(const reasoner::Formula& goal, const Limits& limits, d
     }
     if (state_.ll_actions_done >= most)
     {
-      return {ErrorCode::kOk, false,
+      return {ErrorCode::kOk, achieved > limits.threshold,
               "limit of " + std::to_string(most) + " low-level actions reached"};
     }
     if (!controller_)
@@ -200,9 +199,9 @@ Finish BeliefMission::run(const reasoner::Formula& goal, const Limits& limits, d
     const auto chosen = controller_->next(*belief_, cancel_);
     if (!chosen && achieved > kMoreLikelyThanNot)
     {
-      return {
-          ErrorCode::kOk, true,
-          "nothing better is left to do, and the goal holds with probability " + rounded(achieved)};
+      return {ErrorCode::kOk, true,
+              "the goal holds with probability " + rounded(achieved) +
+                  ", and nothing better is left to do"};
     }
     if (!chosen)
     {

@@ -16,9 +16,9 @@ namespace kr3::executive
 {
 
 /// A mission by a probabilistic method: one belief over the whole domain, updated after each
-/// low-level action, and a controller that chooses the next. It declares the goal when its belief
-/// exceeds the threshold, and ends without it when the controller would rather give up or after as
-/// many low-level actions as Algorithm 1 may make in all.
+/// low-level action, and a controller that chooses the next. It ends when the controller holds
+/// ending for better than going on, and declares the goal then if that is likelier than not; it
+/// ends without it after as many low-level actions as Algorithm 1 may make in all.
 class BeliefMission : public Mission
 {
 public:

@@ -1,12 +1,10 @@
 #include "coarse_plan.hpp"
 
 #include <algorithm>
-#include <random>
 #include <set>
 #include <utility>
 
 #include <kr3_common/error.hpp>
-#include <kr3_pomdp/simulation.hpp>
 #include <kr3_refinement/zoom.hpp>
 
 #include "literal_text.hpp"
@@ -19,9 +17,8 @@ namespace
 using refinement::StateId;
 
 constexpr std::size_t kMaxNodes = 3000;
-constexpr std::size_t kMaxSteps = 60;  // of a simulated run
-constexpr std::size_t kMaxDraws = 200;
-constexpr double kEven = 0.5;
+constexpr double kFirstWorth_s = 30.0;
+constexpr int kRounds = 3;
 /// A room is only a part of the search, so its own discount must not end it.
 constexpr double kLessImpatient = 0.1;
 
@@ -196,17 +193,22 @@ std::vector<reasoner::Literal> CoarsePlan::literals(StateId state) const
 
 refinement::PomdpTask CoarsePlan::task(StateId state, std::size_t action,
                                        const refinement::InitialKnowledge& knowledge,
-                                       std::optional<double> found_s) const
+                                       const std::optional<LowerObjective>& objective) const
 {
   const auto zoom =
       refinement::zoom(domain_, literals(state),
                        reasoner::parseGroundAction(actionText(action), domain_.highLevel()));
-  if (!found_s)
+  if (!objective)
     return refinement::generatePomdp(domain_, models_, zoom, knowledge);
   refinement::Models models = models_;
-  models.rewards = {*found_s, 0.0, 0.0};
-  models.discount = 1.0 - (1.0 - models_.discount) * kLessImpatient;
+  models.rewards = {objective->success, 0.0, 0.0};
+  models.discount = objective->discount;
   return refinement::generatePomdp(domain_, models, zoom, knowledge);
+}
+
+LowerObjective CoarsePlan::worthSeconds(double found_s) const
+{
+  return {found_s, 1.0 - (1.0 - models_.discount) * kLessImpatient};
 }
 
 const OptionModel& CoarsePlan::option(StateId state, std::size_t action)
@@ -215,23 +217,48 @@ const OptionModel& CoarsePlan::option(StateId state, std::size_t action)
   OptionModel& model = entry->second;
   if (is_new)
   {
-    model.success_s = model.failure_s = meanCost(state, action);
+    model.success = model.failure = {meanCost(state, action), 1.0};
     model.on_hidden = dependsOnHidden(state, action);
     if (model.on_hidden)
     {
-      // First with the models' rewards, then with what finding it is worth if all hypotheses are
-      // equally likely and take as long.
-      simulate(state, action, kEven, std::nullopt, model);
+      // What finding it is worth if all hypotheses are equally likely and take as long, which
+      // depends on how long that is.
       const auto hypotheses = static_cast<double>(std::max<std::size_t>(start_.size(), 2));
-      simulate(state, action, 1.0 / hypotheses, hypotheses * model.failure_s / model.detection,
-               model);
+      double worth_s = kFirstWorth_s;
+      for (int round = 0; round < kRounds; ++round)
+      {
+        simulate(state, action, 1.0 / hypotheses, worthSeconds(worth_s), model);
+        worth_s = hypotheses * model.failure.seconds / model.detection;
+      }
     }
   }
   return model;
 }
 
+OptionModel CoarsePlan::optionWhereHidden(StateId state, std::size_t action)
+{
+  if (space_.executable(state, action))
+    return option(state, action);
+  for (const StateId other : start_)
+  {
+    const auto supposed = combined(state, other);
+    if (supposed && space_.executable(*supposed, action))
+      return option(*supposed, action);
+  }
+  OptionModel impossible;
+  const auto& model = models_.actions.at(space_.actions()[action].symbol);
+  impossible.success = impossible.failure = {model.cost.impossible_s, 1.0};
+  return impossible;
+}
+
+std::optional<StateId> CoarsePlan::resultOf(StateId state, std::size_t action)
+{
+  const auto step = stepOf(state, action);
+  return step ? std::optional(step->next) : std::nullopt;
+}
+
 void CoarsePlan::simulate(StateId state, std::size_t action, double probability,
-                          std::optional<double> found_s, OptionModel& model)
+                          const std::optional<LowerObjective>& objective, OptionModel& model)
 {
   refinement::InitialKnowledge knowledge;
   for (const std::size_t fluent : hidden_)
@@ -242,51 +269,11 @@ void CoarsePlan::simulate(StateId state, std::size_t action, double probability,
     if (value == "true" || value == "false")
       distribution[value == "true" ? "false" : "true"] = 1.0 - probability;
   }
-  const LowLevelTask begun(domain_, task(state, action, knowledge, found_s), knowledge);
-  const auto& pomdp = begun.pomdp();
+  const LowLevelTask begun(domain_, task(state, action, knowledge, objective), knowledge);
   const std::atomic<bool> never{false};
-  const std::string policy = policies_.solve(pomdp.model(), budget_, never).id;
-  std::mt19937_64 random(state * 1000003ULL + action);
-  double seconds[2] = {0.0, 0.0};
-  std::size_t runs[2] = {0, 0};
-  std::size_t possible = 0;
-  for (std::size_t run = 0; run < samples_; ++run)
-  {
-    // As many runs where it is possible as where it is not.
-    std::size_t truth = pomdp::sampleState(begun.belief(), random);
-    for (std::size_t draw = 0; draw < kMaxDraws && pomdp.isHopeless(truth) != (run % 2 == 1);
-         ++draw)
-      truth = pomdp::sampleState(begun.belief(), random);
-    const bool hopeless = pomdp.isHopeless(truth);
-    possible += hopeless ? 0 : 1;
-    pomdp::Belief belief = begun.belief();
-    double taken_s = 0.0;
-    for (std::size_t step = 0; step < kMaxSteps; ++step)
-    {
-      if (pomdp.successProbability(belief) > threshold_)
-        break;
-      const std::size_t chosen = policies_.actionAt(policy, belief);
-      if (chosen == pomdp.finishAction())
-        break;
-      taken_s -= pomdp.model().reward(chosen, truth);
-      const auto sampled = pomdp::sampleStep(pomdp.model(), truth, chosen, random);
-      truth = sampled.next_state;
-      belief = pomdp::updated(pomdp.model(), belief, chosen, sampled.observation).posterior;
-    }
-    const bool success = pomdp.isSuccess(truth);
-    if (hopeless || success)
-    {
-      seconds[success ? 1 : 0] += taken_s;
-      ++runs[success ? 1 : 0];
-    }
-  }
-  if (runs[1] > 0)
-    model.success_s = seconds[1] / static_cast<double>(runs[1]);
-  model.failure_s =
-      runs[0] > 0 ? std::max(1.0, seconds[0] / static_cast<double>(runs[0])) : model.success_s;
-  model.detection =
-      possible > 0 ? std::max(0.05, static_cast<double>(runs[1]) / static_cast<double>(possible))
-                   : 1.0;
+  const std::string policy = policies_.solve(begun.pomdp().model(), budget_, never).id;
+  model = simulatedOption(begun, policies_, policy,
+                          {threshold_, samples_, state * 1000003ULL + action}, model);
 }
 
 bool CoarsePlan::holds(const reasoner::Formula& formula, StateId state) const

@@ -16,18 +16,17 @@
 #include "baseline_cache.hpp"
 #include "controller.hpp"
 #include "kr3_executive/method.hpp"
+#include "option_model.hpp"
 #include "shortest_route.hpp"
 
 namespace kr3::executive
 {
 
-/// How a high-level action goes when its low-level policy carries it out.
-struct OptionModel
+/// What a low-level policy is to maximise.
+struct LowerObjective
 {
-  double success_s = 0.0;  ///< mean seconds where it is possible and is found to have succeeded
-  double failure_s = 0.0;  ///< where it is impossible for what is hidden
-  double detection = 1.0;  ///< probability that it succeeds where it is possible
-  bool on_hidden = false;  ///< whether it is possible depends on what is hidden
+  double success = 0.0;  ///< ending otherwise is worth nothing
+  double discount = 1.0;
 };
 
 /// The upper level of the hierarchy: the high-level description, each of its actions with what its
@@ -50,6 +49,15 @@ public:
   /// way to the goal if there is one, else the nearest.
   const std::optional<Route>& testFrom(refinement::StateId state);
   const OptionModel& option(refinement::StateId state, std::size_t action);
+  /// The same where the action is impossible only because of what is hidden: what carrying it out
+  /// there would take is what the option says of failure. Where it is impossible anyway, failure
+  /// takes what trying does.
+  [[nodiscard]] OptionModel optionWhereHidden(refinement::StateId state, std::size_t action);
+  /// The state that an action leads to when it succeeds.
+  /// @return nothing when it is impossible or changes nothing
+  [[nodiscard]] std::optional<refinement::StateId> resultOf(refinement::StateId state,
+                                                            std::size_t action);
+  [[nodiscard]] bool holdsGoal(refinement::StateId state) const { return holds(goal_, state); }
   [[nodiscard]] std::optional<refinement::StateId> combined(refinement::StateId state,
                                                             refinement::StateId hidden_from);
 
@@ -63,12 +71,13 @@ public:
 
   /// The task of an action begun in a state.
   /// @param knowledge  of its fluents
-  /// @param found_s    seconds that carrying it out is worth; nothing: the models' rewards count.
-  ///                   Giving up is worth nothing then, so that the policy goes on as long as it
-  ///                   finds more a second than looking elsewhere would.
+  /// @param objective  nothing: the models' rewards count
   [[nodiscard]] refinement::PomdpTask task(refinement::StateId state, std::size_t action,
                                            const refinement::InitialKnowledge& knowledge,
-                                           std::optional<double> found_s) const;
+                                           const std::optional<LowerObjective>& objective) const;
+  /// That success is worth so many seconds and giving up nothing, so that the policy goes on as
+  /// long as it finds more a second than looking elsewhere would.
+  [[nodiscard]] LowerObjective worthSeconds(double found_s) const;
 
 private:
   void addConstants(const reasoner::Formula& formula);
@@ -80,7 +89,7 @@ private:
   [[nodiscard]] double meanCost(refinement::StateId state, std::size_t action) const;
   /// @param probability  of the state's hidden values at the start
   void simulate(refinement::StateId state, std::size_t action, double probability,
-                std::optional<double> found_s, OptionModel& model);
+                const std::optional<LowerObjective>& objective, OptionModel& model);
 
   const refinement::LowLevelDomain& domain_;
   const refinement::Models& models_;

@@ -79,6 +79,11 @@ Estimate meanOf(const std::vector<double>& values)
   return {mean, mean - half, mean + half};
 }
 
+std::uint64_t drawnApart(std::uint64_t seed)
+{
+  return seed ^ 0x9e3779b97f4a7c15ULL;
+}
+
 std::vector<std::string> drawnTruths(const AbstractMissions& missions, const std::string& goal,
                                      std::uint64_t seed)
 {
@@ -90,7 +95,7 @@ std::vector<std::string> drawnTruths(const AbstractMissions& missions, const std
     if (record.value && record.step == 0)
       fluents.erase(takeApart(record.statement).fluent());
   }
-  std::mt19937_64 random(seed);
+  std::mt19937_64 random(drawnApart(seed));
   std::vector<std::string> truths;
   for (const auto& fluent : fluents)
   {

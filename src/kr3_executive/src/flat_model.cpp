@@ -142,6 +142,11 @@ Objective objectiveFor(const refinement::LowLevelDomain& domain, const refinemen
           models.rewards.wrong_finish * scale, std::pow(models.discount, 1.0 / scale)};
 }
 
+double endWorth(const Objective& objective, double achieved)
+{
+  return achieved * objective.success + (1.0 - achieved) * objective.wrong_finish;
+}
+
 pomdp::Belief FlatModel::belief(const refinement::SparseBelief& sparse) const
 {
   std::vector<double> dense(model.numStates(), 0.0);

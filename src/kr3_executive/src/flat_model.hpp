@@ -27,6 +27,9 @@ struct Objective
 [[nodiscard]] Objective objectiveFor(const refinement::LowLevelDomain& domain,
                                      const refinement::Models& models);
 
+/// What ending a mission now is worth where the goal holds with a probability and could be reached.
+[[nodiscard]] double endWorth(const Objective& objective, double achieved);
+
 /// The states of a domain that can be reached, as a POMDP with a goal: the task's states, `done`,
 /// and the action `finish`.
 struct FlatModel

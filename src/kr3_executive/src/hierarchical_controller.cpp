@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include <kr3_common/error.hpp>
-
-#include "search_order.hpp"
 
 namespace kr3::executive
 {
@@ -16,6 +15,8 @@ namespace
 using refinement::kElsewhere;
 using refinement::StateId;
 
+/// Belief that no further look can better.
+constexpr double kCertain = 1.0 - 1e-9;
 /// What success is worth to a lower task: little more than trying, much more than a mission takes.
 constexpr double kLeastWorth_s = 30.0;
 constexpr double kMostWorth_s = 20000.0;
@@ -53,16 +54,41 @@ HierarchicalController::HierarchicalController(const DomainBelief& start,
                                                const reasoner::Formula& goal,
                                                PolicyServer& policies, const DriverConfig& config,
                                                const BaselineOptions& options,
-                                               const std::shared_ptr<BaselineCache>& cache)
-  : policies_(policies), config_(config)
+                                               const std::shared_ptr<BaselineCache>& cache,
+                                               const std::atomic<bool>& cancel)
+  : policies_(policies)
+  , config_(config)
+  , goal_(goal)
+  , objective_(objectiveFor(start.task().domain(), start.task().models()))
 {
-  auto& kept = cache->coarse[keyOf(start.task(), reasoner::toString(goal), start.states())];
+  const std::string key = keyOf(start.task(), reasoner::toString(goal), start.states());
+  auto& kept = cache->coarse[key];
   if (!kept)
   {
     kept = std::make_shared<CoarsePlan>(start, goal, policies, config.budget,
                                         config.limits.threshold, options.option_samples);
   }
   plan_ = kept;
+  const auto solved = cache->coarse_policies.find(key);
+  if (solved != cache->coarse_policies.end())
+  {
+    policy_ = solved->second;
+    return;
+  }
+  try
+  {
+    CoarsePolicy::Limits limits;
+    limits.max_rows = options.max_rows;
+    limits.solver.precision = options.budget.precision;
+    limits.solver.time_s = options.budget.time_s;
+    limits.solver.max_backups = options.budget.max_backups;
+    const CoarseBelief first = plan_->coarse(start);
+    policy_ = std::make_shared<CoarsePolicy>(*plan_, first, objective_, limits, cancel);
+  }
+  catch (const ResourceExhausted&)  // then without
+  {
+  }
+  cache->coarse_policies[key] = policy_;
 }
 
 std::string HierarchicalController::highLevelAction() const
@@ -72,35 +98,91 @@ std::string HierarchicalController::highLevelAction() const
 
 std::string HierarchicalController::description() const
 {
-  return "hierarchy: " + std::to_string(plan_->space().actions().size()) +
-         " high-level actions over " + std::to_string(plan_->space().fluents().size()) + " fluents";
+  std::string text = "hierarchy: " + std::to_string(plan_->space().actions().size()) +
+                     " high-level actions over " + std::to_string(plan_->space().fluents().size()) +
+                     " fluents";
+  if (!policy_)
+    return text + ", too large above to be solved";
+  char bounds[64];
+  std::snprintf(bounds, sizeof bounds, "[%.1f, %.1f]", policy_->lower(), policy_->upper());
+  return text + ", " + std::to_string(policy_->numStates()) + " states above, value in " + bounds;
 }
 
 std::optional<HierarchicalController::Choice> HierarchicalController::choose(
     const DomainBelief& belief)
 {
-  std::vector<StateId> states;
-  std::vector<double> probability;
-  for (const auto& [state, mass] : plan_->coarse(belief))
-  {
-    states.push_back(state);
-    probability.push_back(mass);
-  }
-  if (states.empty())
+  const CoarseBelief coarse = plan_->coarse(belief);
+  if (coarse.empty())
     return std::nullopt;
-  const auto likeliest = static_cast<std::size_t>(
-      std::max_element(probability.begin(), probability.end()) - probability.begin());
+  if (policy_)
+  {
+    if (auto choice = solvedChoice(coarse))
+      return choice;
+  }
+  return choiceByOrder(coarse);
+}
+
+std::optional<HierarchicalController::Choice> HierarchicalController::solvedChoice(
+    const CoarseBelief& belief) const
+{
+  const auto chosen = policy_->choose(belief);
+  if (!chosen || chosen->kind == CoarseChoice::Kind::kFinish)
+    return std::nullopt;
+  const StateId* supposed = nullptr;
+  double highest = 0.0;
+  for (const auto& [state, probability] : belief)
+  {
+    if (probability > highest && plan_->space().executable(state, chosen->action))
+    {
+      highest = probability;
+      supposed = &state;
+    }
+  }
+  if (supposed == nullptr || idle_.count({*supposed, chosen->action}) != 0)
+    return std::nullopt;
+  Choice choice{*supposed, chosen->action, std::nullopt, chosen->kind == CoarseChoice::Kind::kLook};
+  if (plan_->option(*supposed, chosen->action).on_hidden)
+  {
+    const Hypotheses all = hypothesesOf(belief);
+    const auto at = std::find(all.states.begin(), all.states.end(), *supposed);
+    choice.objective = plan_->worthSeconds(
+        worthOfFinding(all, *supposed, static_cast<std::size_t>(at - all.states.begin())));
+  }
+  return choice;
+}
+
+std::optional<HierarchicalController::Choice> HierarchicalController::choiceByOrder(
+    const CoarseBelief& belief)
+{
+  const Hypotheses all = hypothesesOf(belief);
+  const auto& [states, probability, likeliest] = all;
   const auto stepOf = [&](StateId state, const std::optional<Route>& route,
                           std::optional<double> found_s) -> std::optional<Choice> {
     if (!route || route->steps.empty() || idle_.count({state, route->steps.front().action}) != 0)
       return std::nullopt;
     const std::size_t action = route->steps.front().action;
-    return Choice{state, action, plan_->option(state, action).on_hidden ? found_s : std::nullopt};
+    Choice choice{state, action, std::nullopt};
+    if (found_s && plan_->option(state, action).on_hidden)
+      choice.objective = plan_->worthSeconds(*found_s);
+    return choice;
   };
-  if (probability[likeliest] > config_.limits.threshold)
+  if (probability[likeliest] > config_.limits.threshold && !plan_->holdsGoal(states[likeliest]))
     return stepOf(states[likeliest], plan_->goalFrom(states[likeliest]), std::nullopt);
-  const ProspectOf prospect = [&](std::size_t from,
-                                  std::size_t hypothesis) -> std::optional<Prospect> {
+  const ProspectOf prospect = prospectsOf(states);
+  const auto first = firstToTest(probability, states[likeliest], prospect, {});
+  if (!first)
+    return stepOf(states[likeliest], plan_->goalFrom(states[likeliest]), std::nullopt);
+  const auto state = plan_->combined(states[likeliest], states[first->hypothesis]);
+  auto choice =
+      stepOf(*state, plan_->testFrom(*state), worthOfFinding(all, *state, first->hypothesis));
+  if (choice)
+    choice->is_look = plan_->holdsGoal(states[first->hypothesis]);
+  return choice;
+}
+
+ProspectOf HierarchicalController::prospectsOf(const std::vector<StateId>& states) const
+{
+  return [this, &states](std::size_t from, std::size_t hypothesis) -> std::optional<Prospect> {
     const auto state = plan_->combined(static_cast<StateId>(from), states[hypothesis]);
     if (!state)
       return std::nullopt;
@@ -115,25 +197,41 @@ std::optional<HierarchicalController::Choice> HierarchicalController::choose(
       at = test->steps[i].next;
     }
     const OptionModel& option = plan_->option(at, test->steps.back().action);
+    if (plan_->holdsGoal(*state))  // then it is enough to know that
+    {
+      const LookModel& look = option.look;
+      return Prospect{way_s + look.where_impossible.seconds,
+                      look.where_possible.seconds - look.where_impossible.seconds, look.detection,
+                      at};
+    }
     const auto& rest = plan_->goalFrom(test->steps.back().next);
     if (!rest)
       return std::nullopt;
-    return Prospect{way_s + option.failure_s, option.success_s - option.failure_s + rest->cost_s,
+    return Prospect{way_s + option.failure.seconds,
+                    option.success.seconds - option.failure.seconds + rest->cost_s,
                     option.detection, at};
   };
-  const auto first = firstToTest(probability, states[likeliest], prospect, {});
-  if (!first)
-    return stepOf(states[likeliest], plan_->goalFrom(states[likeliest]), std::nullopt);
-  const auto state = plan_->combined(states[likeliest], states[*first]);
+}
+
+double HierarchicalController::worthOfFinding(const Hypotheses& all, StateId from,
+                                              std::size_t hypothesis) const
+{
+  const ProspectOf prospect = prospectsOf(all.states);
   double best_rate = 0.0;  // of the other hypotheses: probability found a second
-  for (std::size_t other = 0; other < states.size(); ++other)
+  for (std::size_t other = 0; other < all.states.size(); ++other)
   {
-    const auto found = other == *first ? std::nullopt : prospect(*state, other);
+    const auto found = other == hypothesis ? std::nullopt : prospect(from, other);
     if (found)
-      best_rate = std::max(best_rate, probability[other] * found->detection / found->test_s);
+      best_rate = std::max(best_rate, all.probability[other] * found->detection / found->test_s);
   }
-  return stepOf(*state, plan_->testFrom(*state),
-                rounded(std::clamp(1.0 / std::max(best_rate, 1e-9), kLeastWorth_s, kMostWorth_s)));
+  return rounded(std::clamp(1.0 / std::max(best_rate, 1e-9), kLeastWorth_s, kMostWorth_s));
+}
+
+bool HierarchicalController::isWorthSearching(const CoarseBelief& belief, double achieved) const
+{
+  const auto [states, probability, likeliest] = hypothesesOf(belief);
+  const auto first = firstToTest(probability, states[likeliest], prospectsOf(states), {});
+  return first && endWorth(objective_, achieved) < objective_.success - first->expected_s;
 }
 
 refinement::InitialKnowledge HierarchicalController::knowledgeFor(const Choice& choice,
@@ -188,13 +286,13 @@ bool HierarchicalController::begin(const Choice& choice, const DomainBelief& bel
     const auto actual = knowledgeFor(choice, belief, false);
     // One policy serves all beliefs that differ in what was seen before.
     const auto solved = plan_->task(choice.state, choice.action, knowledgeFor(choice, belief, true),
-                                    choice.found_s);
+                                    choice.objective);
     const std::string policy = policies_.solve(solved.model(), config_.budget, cancel).id;
     active_.emplace(Active{
         plan_->actionText(choice.action),
         LowLevelTask(belief.task().domain(),
-                     plan_->task(choice.state, choice.action, actual, choice.found_s), actual),
-        policy});
+                     plan_->task(choice.state, choice.action, actual, choice.objective), actual),
+        policy, 0, 0, choice.is_look ? std::optional(choice.action) : std::nullopt});
   }
   catch (const FailedPrecondition&)  // nothing to do there, or impossible
   {
@@ -204,6 +302,27 @@ bool HierarchicalController::begin(const Choice& choice, const DomainBelief& bel
   return true;
 }
 
+bool HierarchicalController::isOver(const DomainBelief& belief)
+{
+  const CoarseBelief coarse = plan_->coarse(belief);
+  const double achieved = belief.probability(goal_);
+  if (coarse.empty() || achieved > kCertain)
+    return true;
+  const auto wanted = policy_ ? policy_->choose(coarse) : std::nullopt;
+  bool is_over =
+      wanted ? wanted->kind == CoarseChoice::Kind::kFinish : achieved > config_.limits.threshold;
+  bool looks_on = wanted && wanted->kind == CoarseChoice::Kind::kLook && active_ &&
+                  active_->looking == std::optional(wanted->action);
+  if (is_over && isWorthSearching(coarse, achieved))
+  {
+    is_over = false;
+    looks_on = true;
+  }
+  if (active_ && active_->looking && active_->done > 0 && !looks_on)
+    active_.reset();
+  return is_over;
+}
+
 std::optional<std::size_t> HierarchicalController::next(const DomainBelief& belief,
                                                         const std::atomic<bool>& cancel)
 {
@@ -211,6 +330,8 @@ std::optional<std::size_t> HierarchicalController::next(const DomainBelief& beli
   {
     if (cancel)
       throw Cancelled("planning was cancelled");
+    if (isOver(belief))
+      return std::nullopt;
     if (!active_)
     {
       const auto choice = choose(belief);

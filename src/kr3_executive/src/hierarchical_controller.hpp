@@ -10,9 +10,11 @@
 
 #include "baseline_cache.hpp"
 #include "coarse_plan.hpp"
+#include "coarse_policy.hpp"
 #include "controller.hpp"
 #include "kr3_executive/driver.hpp"
 #include "kr3_executive/method.hpp"
+#include "search_order.hpp"
 
 namespace kr3::executive
 {
@@ -22,20 +24,27 @@ namespace kr3::executive
 /// both ways exactly: the belief over the whole domain gives the coarse one and the first one of
 /// each zoom, and takes in every observation.
 ///
-/// Above the threshold the likeliest coarse state is acted on; below it the hypothesis is tested
-/// that is expected to end the search soonest (firstToTest), by the durations and detection
-/// probabilities that the lower policies were simulated to have. A lower task that tests a
-/// hypothesis is paid for success as much as the best other test would need seconds to find as
-/// much probability, and nothing for giving up: it looks on where it is as long as that finds more
-/// a second than going elsewhere (the price of a restless bandit's index, Whittle 1988). Sources:
-/// Zhang, Sridharan and Washington (2013); Sridharan, Wyatt and Dearden (2010).
+/// Above, a point-based policy decides (CoarsePolicy). It looks at the belief after each low-level
+/// action: it ends the mission when that is best, and a look when it has seen enough. Its lower
+/// level is summarised by few numbers, so it ends only where the order of tests does not hold
+/// searching on for better. Where it is too large to be solved, or would begin what has just been
+/// given up, the likeliest coarse state is acted on above the threshold; below it the hypothesis is
+/// tested that is expected to end the search soonest (firstToTest), by the durations and detection
+/// probabilities that the lower policies were simulated to have.
+///
+/// A lower task that tests a hypothesis is paid for success as much as the best other test would
+/// need seconds to find as much probability, and nothing for giving up: it looks on where it is as
+/// long as that finds more a second than going elsewhere (the price of a restless bandit's index,
+/// Whittle 1988). Sources: Zhang, Sridharan and Washington (2013); Sridharan, Wyatt and Dearden
+/// (2010); Sutton, Precup and Singh (1999), interrupted options.
 class HierarchicalController : public Controller
 {
 public:
   HierarchicalController(const DomainBelief& start, const reasoner::Formula& goal,
                          PolicyServer& policies, const DriverConfig& config,
                          const BaselineOptions& options,
-                         const std::shared_ptr<BaselineCache>& cache);
+                         const std::shared_ptr<BaselineCache>& cache,
+                         const std::atomic<bool>& cancel);
 
   std::optional<std::size_t> next(const DomainBelief& belief,
                                   const std::atomic<bool>& cancel) override;
@@ -54,16 +63,30 @@ private:
     std::string policy_id;
     std::size_t chosen = 0;  ///< by the policy
     std::uint32_t done = 0;  ///< low-level actions
+    /// By number, where it is only begun to find out whether it is possible.
+    std::optional<std::size_t> looking;
   };
   struct Choice
   {
     refinement::StateId state;  ///< that is supposed
     std::size_t action;
-    std::optional<double>
-        found_s;  ///< worth of carrying it out, where that depends on what is hidden
+    std::optional<LowerObjective> objective;  ///< nothing: as the models say
+    bool is_look = false;
   };
 
   [[nodiscard]] std::optional<Choice> choose(const DomainBelief& belief);
+  /// As the solved upper level says; nothing where it says nothing that can be begun.
+  [[nodiscard]] std::optional<Choice> solvedChoice(const CoarseBelief& belief) const;
+  [[nodiscard]] std::optional<Choice> choiceByOrder(const CoarseBelief& belief);
+  /// What testing hypotheses takes, with the options' durations. @param states  must outlive it
+  [[nodiscard]] ProspectOf prospectsOf(const std::vector<refinement::StateId>& states) const;
+  /// Seconds that confirming a hypothesis is worth: what the best other one needs for as much.
+  [[nodiscard]] double worthOfFinding(const Hypotheses& all, refinement::StateId from,
+                                      std::size_t hypothesis) const;
+  /// Whether searching on until the goal is certain is worth more than ending now.
+  [[nodiscard]] bool isWorthSearching(const CoarseBelief& belief, double achieved) const;
+  /// Whether the mission should end; what is under way is ended when it should not go on.
+  [[nodiscard]] bool isOver(const DomainBelief& belief);
   [[nodiscard]] bool begin(const Choice& choice, const DomainBelief& belief,
                            const std::atomic<bool>& cancel);
   [[nodiscard]] refinement::InitialKnowledge knowledgeFor(const Choice& choice,
@@ -72,7 +95,10 @@ private:
 
   PolicyServer& policies_;
   DriverConfig config_;
+  reasoner::Formula goal_;
+  Objective objective_;
   std::shared_ptr<CoarsePlan> plan_;
+  std::shared_ptr<CoarsePolicy> policy_;  ///< null: the upper level is too large
   std::optional<Active> active_;
   std::set<std::pair<refinement::StateId, std::size_t>> idle_;  ///< begun, and nothing was done
   std::uint32_t num_begun_ = 0;

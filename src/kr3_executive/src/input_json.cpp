@@ -237,6 +237,36 @@ reasoner::PlanOptions planOptionsFromJson(const json& item)
   return plan;
 }
 
+json toJson(const PlanningMethod& method)
+{
+  const BaselineOptions& baseline = method.baseline;
+  return {{"name", toString(method.method)},
+          {"default_probability", baseline.default_probability},
+          {"planning", toString(baseline.planning)},
+          {"precision", baseline.budget.precision},
+          {"solve_time_s", baseline.budget.time_s},
+          {"max_backups", baseline.budget.max_backups},
+          {"max_rows", baseline.max_rows},
+          {"max_states", baseline.max_states},
+          {"option_samples", baseline.option_samples}};
+}
+
+PlanningMethod methodFromJson(const json& item)
+{
+  PlanningMethod method;
+  method.method = methodNamed(item.at("name"));
+  BaselineOptions& baseline = method.baseline;
+  item.at("default_probability").get_to(baseline.default_probability);
+  baseline.planning = flatPlanningNamed(item.at("planning"));
+  item.at("precision").get_to(baseline.budget.precision);
+  item.at("solve_time_s").get_to(baseline.budget.time_s);
+  baseline.budget.max_backups = countAt<std::uint64_t>(item, "max_backups");
+  baseline.max_rows = countAt<std::size_t>(item, "max_rows");
+  baseline.max_states = countAt<std::size_t>(item, "max_states");
+  baseline.option_samples = countAt<std::size_t>(item, "option_samples");
+  return method;
+}
+
 json toJson(const MissionBegun& mission)
 {
   return {{"goal", mission.goal},

@@ -4,6 +4,7 @@
 
 #include "kr3_executive/domain_files.hpp"
 #include "kr3_executive/mission_log.hpp"
+#include "kr3_executive/mission_recording.hpp"
 
 /// JSON of what enters a mission and of what it decides (docs/replay.md). Reading throws
 /// nlohmann::json::exception where a field is missing or of another type, and InvalidArgument where
@@ -23,6 +24,10 @@ inline constexpr int kRecordingVersion = 1;
 /// Without `on_horizon`.
 [[nodiscard]] nlohmann::json toJson(const reasoner::PlanOptions& plan);
 [[nodiscard]] reasoner::PlanOptions planOptionsFromJson(const nlohmann::json& json);
+
+[[nodiscard]] nlohmann::json toJson(const PlanningMethod& method);
+/// @throws InvalidArgument  no such method or way of planning
+[[nodiscard]] PlanningMethod methodFromJson(const nlohmann::json& json);
 
 [[nodiscard]] nlohmann::json toJson(const MissionBegun& mission);
 [[nodiscard]] MissionBegun missionFromJson(const nlohmann::json& json);

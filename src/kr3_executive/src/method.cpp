@@ -90,8 +90,9 @@ ControllerFactory hierarchicalControllers(const MissionParts& parts, const Basel
   PolicyServer& policies = parts.policies;
   return [&policies, options, config = parts.config, cache](
              const DomainBelief& start, const reasoner::Formula& goal,
-             const std::atomic<bool>& /*cancel*/) -> std::unique_ptr<Controller> {
-    return std::make_unique<HierarchicalController>(start, goal, policies, config, options, cache);
+             const std::atomic<bool>& cancel) -> std::unique_ptr<Controller> {
+    return std::make_unique<HierarchicalController>(start, goal, policies, config, options, cache,
+                                                    cancel);
   };
 }
 

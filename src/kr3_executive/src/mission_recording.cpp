@@ -78,9 +78,10 @@ std::vector<RecordedInput> readInputs(std::istream& lines, const std::string& na
 }
 
 MissionRecorder::MissionRecorder(const DomainFiles& domain, const reasoner::PlanOptions& plan,
-                                 Clock clock, Sink sink)
+                                 Clock clock, Sink sink, const PlanningMethod& method)
   : domain_(toJson(domain).dump())
   , plan_(toJson(plan).dump())
+  , method_(toJson(method).dump())
   , clock_(std::move(clock))
   , sink_(std::move(sink))
 {
@@ -95,6 +96,7 @@ void MissionRecorder::onInput(const Input& input)
     add(InputKind::kDomain, domain_);
     json data = toJson(*mission);
     data["plan"] = json::parse(plan_);
+    data["method"] = json::parse(method_);
     add(InputKind::kMission, data.dump());
   }
   else if (const auto* skill = std::get_if<SkillEnded>(&input))

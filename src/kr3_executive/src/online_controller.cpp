@@ -13,6 +13,7 @@ namespace
 using refinement::StateId;
 
 constexpr std::size_t kMaxNodes = 3000;
+constexpr double kCertain = 1.0 - 1e-9;
 
 void addConstants(const reasoner::Formula& formula, const refinement::LowLevelDomain& domain,
                   std::set<std::string>& constants)
@@ -210,7 +211,9 @@ std::optional<StateId> TestPlan::combined(StateId state, StateId hidden_from)
 
 OnlineController::OnlineController(const DomainBelief& start, const reasoner::Formula& goal,
                                    double threshold, std::shared_ptr<BaselineCache> cache)
-  : threshold_(threshold)
+  : goal_(goal)
+  , objective_(objectiveFor(start.task().domain(), start.task().models()))
+  , threshold_(threshold)
   , num_actions_(start.task().numActions())
   , num_hypotheses_(start.states().size())
 {
@@ -255,27 +258,24 @@ std::optional<std::size_t> OnlineController::next(const DomainBelief& belief,
 {
   if (cancel)
     throw Cancelled("planning was cancelled");
-  std::vector<StateId> states;
-  std::vector<double> probability;
-  for (const auto& [state, mass] : belief.states())
-  {
-    states.push_back(state);
-    probability.push_back(mass);
-  }
-  const auto likeliest = static_cast<std::size_t>(
-      std::max_element(probability.begin(), probability.end()) - probability.begin());
+  const Hypotheses now = hypothesesOf(belief.states());
+  const StateId likeliest = now.likeliestState();
   const auto toGoal = [&]() -> std::optional<std::size_t> {
-    const auto& route = plan_->goalFrom(states[likeliest]);
+    const auto& route = plan_->goalFrom(likeliest);
     return route && !route->steps.empty() ? std::optional(route->steps.front().action)
                                           : std::nullopt;
   };
-  if (probability[likeliest] > threshold_)
+  const double achieved = belief.probability(goal_);
+  if (achieved > kCertain)
+    return std::nullopt;
+  const bool seems_done = belief.task().holds(goal_, likeliest);
+  if (now.highest() > threshold_ && !seems_done)
     return toGoal();
-  if (const auto action = plan_->orienting(belief, states[likeliest]))
+  if (const auto action = plan_->orienting(belief, likeliest))
     return action;
   const ProspectOf prospect = [&](std::size_t from,
                                   std::size_t hypothesis) -> std::optional<Prospect> {
-    const auto state = plan_->combined(static_cast<StateId>(from), states[hypothesis]);
+    const auto state = plan_->combined(static_cast<StateId>(from), now.states[hypothesis]);
     if (!state)
       return std::nullopt;
     const auto& test = plan_->testFrom(*state);
@@ -287,10 +287,13 @@ std::optional<std::size_t> OnlineController::next(const DomainBelief& belief,
       return std::nullopt;
     return Prospect{test->cost_s, rest->cost_s, plan_->detection(*test), end};
   };
-  const auto first = firstToTest(probability, states[likeliest], prospect, {});
+  const auto first = firstToTest(now.probability, likeliest, prospect, {});
   if (!first)
     return toGoal();
-  const auto state = plan_->combined(states[likeliest], states[*first]);
+  // Searching on until the goal is certain, against ending now.
+  if (endWorth(objective_, achieved) >= objective_.success - first->expected_s)
+    return std::nullopt;
+  const auto state = plan_->combined(likeliest, now.states[first->hypothesis]);
   return plan_->testFrom(*state)->steps.front().action;
 }
 

@@ -12,6 +12,7 @@
 
 #include "baseline_cache.hpp"
 #include "controller.hpp"
+#include "flat_model.hpp"
 #include "search_order.hpp"
 #include "shortest_route.hpp"
 
@@ -64,7 +65,9 @@ private:
 
 /// POMDP-1 on floors too large to solve ahead: plans from the present belief. Above the threshold
 /// it acts as if the likeliest state were true; below it goes and looks where that is expected to
-/// end the search soonest (firstToTest).
+/// end the search soonest (firstToTest). It ends when ending now is worth more than searching on:
+/// p success + (1 - p) wrong_finish, where the goal holds with probability p, against success less
+/// the expected seconds.
 class OnlineController : public Controller
 {
 public:
@@ -77,6 +80,8 @@ public:
   [[nodiscard]] std::string description() const override;
 
 private:
+  reasoner::Formula goal_;
+  Objective objective_;
   double threshold_;
   std::shared_ptr<TestPlan> plan_;
   std::size_t num_actions_;

@@ -171,6 +171,11 @@ RecordedMission readMission(const std::vector<RecordedInput>& mission)
   RecordedMission recorded{
       withPlace(mission[0], domainFromJson),
       withPlace(mission[1], [](const json& data) { return planOptionsFromJson(data.at("plan")); }),
+      withPlace(
+          mission[1],
+          [](const json& data) {
+    return data.contains("method") ? methodFromJson(data.at("method")) : PlanningMethod{};
+          }),
       withPlace(mission[1], missionFromJson),
       mission[1].stamp_s,
       {}};

@@ -8,8 +8,8 @@
 #include <kr3_common/error.hpp>
 
 #include "kr3_executive/abstract_world.hpp"
-#include "kr3_executive/driver.hpp"
 #include "kr3_executive/in_process.hpp"
+#include "kr3_executive/method.hpp"
 #include "literal_text.hpp"
 #include "replay_peers.hpp"
 #include "typed_error.hpp"
@@ -27,8 +27,8 @@ bool isSameChoice(const ReportedDecision& a, const ReportedDecision& b)
   return a.kind == b.kind && a.details == b.details;
 }
 
-/// One replay: stands between a driver and a recording. It observes the driver, and it is what the
-/// driver executes on.
+/// One replay: stands between a mission and a recording. It observes the mission, and it is what
+/// the mission executes on.
 class Replayer : public MissionObserver, public LowLevelExecutor
 {
 public:
@@ -37,12 +37,14 @@ public:
     , options_(options)
     , loaded_(load(mission.domain))
     , narrator_(loaded_.bindings.phrases(), loaded_.domain->highLevel())
-    , reasoner_(loaded_.domain->highLevel(), mission.plan, interruption_)
+    , reasoner_(descriptionFor(mission.method.method, loaded_.domain->highLevel()), mission.plan,
+                interruption_)
     , policies_([this](const SolveBudget& budget) { return counted(budget); },
                 [this] { return isPolicyLost(); }, interruption_)
-    , driver_(
-          *loaded_.domain, loaded_.models, narrator_, reasoner_, policies_, *this, *this,
-          [this] { return now_s_; }, mission.start.config)
+    , mission_again_(makeMission(mission.method.method,
+                                 {*loaded_.domain, loaded_.models, narrator_, reasoner_, policies_,
+                                  *this, *this, [this] { return now_s_; }, mission.start.config},
+                                 mission.method.baseline))
     , now_s_(mission.start_s)
   {
     skipFactsOutside();
@@ -51,8 +53,9 @@ public:
   ReplayResult run()
   {
     const MissionBegun& start = mission_.start;
-    driver_.setKnowledge(start.knowledge);
-    static_cast<void>(driver_.achieve(start.goal, start.initial, start.limits, start.time_limit_s));
+    mission_again_->setKnowledge(start.knowledge);
+    static_cast<void>(
+        mission_again_->achieve(start.goal, start.initial, start.limits, start.time_limit_s));
     if (result_.end == ReplayEnd::kMissionEnded && !diverged_ && next_ < mission_.items.size())
     {
       // It ended, and the recorded one went on.
@@ -144,7 +147,7 @@ public:
     if (item != nullptr && std::holds_alternative<RecordedEnd>(item->content))
     {
       // It was interrupted while it was executed, or before it was tried again.
-      driver_.cancel();
+      mission_again_->cancel();
       interruption_.raise();
       throw Cancelled("as recorded");
     }
@@ -189,7 +192,7 @@ private:
   {
     result_.end = how;
     result_.reason = std::move(reason);
-    driver_.cancel();
+    mission_again_->cancel();
   }
 
   void consume()
@@ -230,7 +233,7 @@ private:
     if (const auto* told = std::get_if<FactTold>(&content); told != nullptr && told_ != next_)
     {
       told_ = next_;
-      driver_.tell(told->record);
+      mission_again_->tell(told->record);
     }
     const auto* ended = std::get_if<RecordedEnd>(&content);
     if (ended == nullptr)
@@ -238,7 +241,7 @@ private:
     switch (ended->reason)
     {
       case RecordedEnd::Reason::kCancelled:
-        driver_.cancel();
+        mission_again_->cancel();
         interruption_.error = [] { throw Cancelled("as recorded"); };
         break;
       case RecordedEnd::Reason::kTime:
@@ -309,7 +312,7 @@ private:
   Interruption interruption_;
   InterruptedReasoner reasoner_;
   ReplayedPolicies policies_;
-  MissionDriver driver_;
+  std::unique_ptr<Mission> mission_again_;
   std::unique_ptr<AbstractWorld> world_;  // once the recording is left
 
   double now_s_;

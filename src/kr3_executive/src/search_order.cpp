@@ -86,9 +86,23 @@ private:
 
 }  // namespace
 
-std::optional<std::size_t> firstToTest(const std::vector<double>& probability, std::size_t from,
-                                       const ProspectOf& prospect,
-                                       const SearchOrderOptions& options)
+Hypotheses hypothesesOf(const std::map<refinement::StateId, double>& belief)
+{
+  Hypotheses hypotheses;
+  for (const auto& [state, probability] : belief)
+  {
+    hypotheses.states.push_back(state);
+    hypotheses.probability.push_back(probability);
+  }
+  const auto& all = hypotheses.probability;
+  hypotheses.likeliest =
+      static_cast<std::size_t>(std::max_element(all.begin(), all.end()) - all.begin());
+  return hypotheses;
+}
+
+std::optional<SearchChoice> firstToTest(const std::vector<double>& probability, std::size_t from,
+                                        const ProspectOf& prospect,
+                                        const SearchOrderOptions& options)
 {
   std::vector<std::size_t> all;
   for (std::size_t i = 0; i < probability.size(); ++i)
@@ -100,21 +114,19 @@ std::optional<std::size_t> firstToTest(const std::vector<double>& probability, s
   const std::vector<Rated> rated = order.rated(from, all);
   if (rated.empty())
     return std::nullopt;
-  std::size_t best = 0;
-  if (all.size() <= options.max_hypotheses)
+  if (all.size() > options.max_hypotheses)
   {
-    double least_s = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < std::min(options.candidates, rated.size()); ++i)
-    {
-      const double cost_s = order.expectedCost(rated[i], all);
-      if (cost_s < least_s - kLeastCost)
-      {
-        least_s = cost_s;
-        best = i;
-      }
-    }
+    const Rated& first = rated.front();
+    return SearchChoice{first.hypothesis, first.prospect.test_s + first.prospect.rest_s};
   }
-  return rated[best].hypothesis;
+  std::optional<SearchChoice> best;
+  for (std::size_t i = 0; i < std::min(options.candidates, rated.size()); ++i)
+  {
+    const double cost_s = order.expectedCost(rated[i], all);
+    if (!best || cost_s < best->expected_s - kLeastCost)
+      best = SearchChoice{rated[i].hypothesis, cost_s};
+  }
+  return best;
 }
 
 }  // namespace kr3::executive

@@ -2,11 +2,28 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <optional>
 #include <vector>
 
+#include <kr3_refinement/state_space.hpp>
+
 namespace kr3::executive
 {
+
+/// The states of a belief as hypotheses, numbered.
+struct Hypotheses
+{
+  std::vector<refinement::StateId> states;
+  std::vector<double> probability;
+  std::size_t likeliest = 0;
+
+  [[nodiscard]] refinement::StateId likeliestState() const { return states[likeliest]; }
+  [[nodiscard]] double highest() const { return probability[likeliest]; }
+};
+
+/// @param belief  not empty
+[[nodiscard]] Hypotheses hypothesesOf(const std::map<refinement::StateId, double>& belief);
 
 /// What testing one hypothesis takes, from where the robot then is.
 struct Prospect
@@ -29,6 +46,13 @@ struct SearchOrderOptions
   std::size_t max_hypotheses = 150;
 };
 
+struct SearchChoice
+{
+  std::size_t hypothesis = 0;  ///< to test first
+  double expected_s = 0.0;     ///< to the goal, looking on until it is reached; with more than
+                               ///< `max_hypotheses`, if the first one is true
+};
+
 /// Which hypothesis to test first.
 ///
 /// The greedy choice has the greatest detection probability per second, the rule that is optimal
@@ -41,8 +65,8 @@ struct SearchOrderOptions
 /// @return nothing when none can be tested
 /// Sources: Black (1965), the index of the discrete search problem; Bertsekas and Castañón (1999),
 /// rollout of such heuristics.
-[[nodiscard]] std::optional<std::size_t> firstToTest(const std::vector<double>& probability,
-                                                     std::size_t from, const ProspectOf& prospect,
-                                                     const SearchOrderOptions& options);
+[[nodiscard]] std::optional<SearchChoice> firstToTest(const std::vector<double>& probability,
+                                                      std::size_t from, const ProspectOf& prospect,
+                                                      const SearchOrderOptions& options);
 
 }  // namespace kr3::executive

@@ -42,7 +42,8 @@ std::vector<RecordedInput> record(const std::string& domain, const std::string& 
       readDomainFiles(domain + "/domain.kr3", domain + "/refinement.kr3", domain + "/models.yaml",
                       domain + "/bindings.yaml", missions.domain().map()),
       with.plan, [&inputs] { return 0.5 * static_cast<double>(inputs.size()); },
-      [&inputs](const RecordedInput& input) { inputs.push_back(input); });
+      [&inputs](const RecordedInput& input) { inputs.push_back(input); },
+      {with.method, with.baseline});
   static_cast<void>(
       missions.run(goal.empty() ? missions.scenario().goal : goal, truths, seed, recorder));
   return inputs;
@@ -138,6 +139,72 @@ INSTANTIATE_TEST_SUITE_P(
                     Recorded{"Psu", kWorkbench, "resolved(hum)", {"cause(hum) = psu"}},
                     Recorded{"Amplifier", kWorkbench, "resolved(hum)", {"cause(hum) = amplifier"}}),
     [](const auto& recorded) { return recorded.param.name; });
+
+AbstractMissionConfig configOf(Method method)
+{
+  AbstractMissionConfig by = config();
+  by.method = method;
+  by.baseline.budget = {0.5, 0.0, 500};
+  by.baseline.default_probability = 0.8;
+  by.baseline.option_samples = 10;
+  return by;
+}
+
+class RecordedMethods : public testing::TestWithParam<Method>
+{
+};
+
+TEST_P(RecordedMethods, DecideTheSameAgain)
+{
+  const auto inputs = written(
+      record(kWorkbench, "resolved(hum)", {"cause(hum) = amplifier"}, 3, configOf(GetParam())));
+  const RecordedMission mission = readMission(inputs);
+  EXPECT_EQ(mission.method.method, GetParam());
+  EXPECT_TRUE(mission.isComplete());
+  const ReplayResult result = replay(mission, {});
+  EXPECT_TRUE(result.isSame()) << describe(result.firstDifference());
+  EXPECT_EQ(result.end, ReplayEnd::kMissionEnded) << result.reason;
+  EXPECT_GT(result.decisions.size(), 1U);
+}
+
+TEST_P(RecordedMethods, DecideOtherwiseAfterAnotherObservation)
+{
+  const auto inputs =
+      record(kWorkbench, "resolved(hum)", {"cause(hum) = amplifier"}, 3, configOf(GetParam()));
+  bool differs = false;
+  for (const auto& input : inputs)
+  {
+    for (const char* told : {"true", "false"})
+    {
+      const std::string text = std::string("\"observation\":[\"") + told + "\"]";
+      if (input.kind != InputKind::kSkillResult || input.data.find(text) == std::string::npos)
+        continue;
+      const std::string other = told == std::string("true") ? "false" : "true";
+      const ReplayResult result =
+          replayed(altered(inputs, std::to_string(input.sequence) + ".observation=" + other));
+      differs = differs || result.firstOtherChoice() != nullptr;
+    }
+  }
+  EXPECT_TRUE(differs);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, RecordedMethods, testing::ValuesIn(allMethods()),
+                         [](const auto& method) { return toString(method.param); });
+
+TEST(Replay, RefusesAnUnknownMethod)
+{
+  auto inputs = record(kWorkbench, "resolved(hum)", {"cause(hum) = psu"}, 3);
+  try
+  {
+    static_cast<void>(readMission(altered(inputs, "1.method.name=pomdp3")));
+    FAIL() << "it was read";
+  }
+  catch (const InvalidArgument& e)
+  {
+    EXPECT_NE(std::string(e.what()).find("input 1 (MISSION): method 'pomdp3'"), std::string::npos)
+        << e.what();
+  }
+}
 
 /// Decisions up to an input are the same; the first other choice comes after it.
 void expectDivergenceAfter(const ReplayResult& result, std::uint32_t sequence)

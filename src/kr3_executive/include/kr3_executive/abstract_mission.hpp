@@ -51,6 +51,7 @@ struct TrialResult
   bool goal_is_true = false;              ///< in the world
   std::vector<reasoner::Record> history;  ///< at the end
   RefutationCount refutations;
+  FluentValues fine;  ///< of the low level, true in the world at the end
 };
 
 /// One mission to run. Aggregate.
@@ -82,6 +83,8 @@ public:
 
   [[nodiscard]] const Scenario& scenario() const { return scenario_; }
   [[nodiscard]] const refinement::LowLevelDomain& domain() const { return *domain_; }
+  [[nodiscard]] const refinement::Models& models() const { return models_; }
+  [[nodiscard]] const Bindings& bindings() const { return bindings_; }
 
   /// The first valued fluent that a goal mentions. @throws InvalidArgument  it mentions none
   [[nodiscard]] std::string targetFluent(const std::string& goal) const;

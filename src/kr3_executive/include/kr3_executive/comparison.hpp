@@ -31,6 +31,10 @@ struct MethodTrials
   double wall_s = 0.0;  ///< of all
 };
 
+/// A seed for what is drawn outside of the world, so that it is independent of the world's own
+/// draws, which begin with `seed`.
+[[nodiscard]] std::uint64_t drawnApart(std::uint64_t seed);
+
 /// What is true in the world in a trial: each valued fluent of the goal that the scenario leaves
 /// open takes one of its values, drawn with the seed.
 [[nodiscard]] std::vector<std::string> drawnTruths(const AbstractMissions& missions,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kr3_executive/domain_files.hpp"
+#include "kr3_executive/method.hpp"
 #include "kr3_executive/mission_log.hpp"
 #include "kr3_executive/narration.hpp"
 
@@ -45,11 +46,18 @@ struct RecordedInput
 /// @throws InvalidArgument  "name:line: what is wrong"
 [[nodiscard]] std::vector<RecordedInput> readInputs(std::istream& lines, const std::string& name);
 
+/// How a mission is planned, as it is recorded with it.
+struct PlanningMethod
+{
+  Method method = Method::kPa;
+  BaselineOptions baseline;
+};
+
 /// Turns what a driver reports into recorded inputs: the domain and the mission at its start, then
 /// each input and decision in order. From these alone the mission can be computed again
 /// (replay.hpp).
 ///
-/// Not thread-safe beyond what MissionDriver promises of its observer.
+/// Not thread-safe beyond what Mission promises of its observer.
 class MissionRecorder : public MissionObserver
 {
 public:
@@ -58,7 +66,7 @@ public:
 
   /// @param sink  called with each input, in the mission's thread; must not throw
   MissionRecorder(const DomainFiles& domain, const reasoner::PlanOptions& plan, Clock clock,
-                  Sink sink);
+                  Sink sink, const PlanningMethod& method = {});
 
   void onInput(const Input& input) override;
   void onDecision(const ReportedDecision& decision) override;
@@ -71,6 +79,7 @@ private:
 
   std::string domain_;  // JSON
   std::string plan_;    // JSON
+  std::string method_;  // JSON
   Clock clock_;
   Sink sink_;
   std::uint32_t sequence_ = 0;

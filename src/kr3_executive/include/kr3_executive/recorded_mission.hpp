@@ -39,6 +39,7 @@ struct RecordedMission
 {
   DomainFiles domain;
   reasoner::PlanOptions plan;
+  PlanningMethod method;  ///< PA where the recording does not say
   MissionBegun start;
   double start_s = 0.0;  ///< on the driver's clock
   std::vector<RecordedItem> items;

@@ -170,7 +170,8 @@ ExecutiveNode::ExecutiveNode(ros::NodeHandle nh, const ros::NodeHandle& private_
       readDomainFiles(config_.domain, config_.refinement, config_.models, config_.bindings,
                       domain_->map()),
       config_.plan, now_s,
-      [this](const RecordedInput& input) { input_publisher_.publish(toMsg(input)); });
+      [this](const RecordedInput& input) { input_publisher_.publish(toMsg(input)); },
+      PlanningMethod{config_.method, config_.baseline});
   waitForPeers(stop);
   const bool knows_defaults = config_.method == Method::kPa || config_.method == Method::kPomdp2;
   if (!knows_defaults)

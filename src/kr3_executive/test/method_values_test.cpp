@@ -1,0 +1,99 @@
+// What methods earn, against what is known to be possible.
+
+#include "kr3_executive/method_values.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include <kr3_common/error.hpp>
+
+namespace kr3::executive
+{
+namespace
+{
+
+std::string floorOf(const std::string& name, const std::string& options)
+{
+  const std::string directory = testing::TempDir() + "/method_values_test_" + name;
+  const std::string command = std::string("/usr/bin/python3 ") + KR3_DOMAINS_DIR +
+                              "/../scripts/make_floor.py " + directory + " " + options;
+  if (std::system(command.c_str()) != 0)
+    throw Unavailable("'" + command + "' failed");
+  return directory;
+}
+
+ValueOptions optionsFor(std::uint64_t trials)
+{
+  ValueOptions options;
+  options.trials = trials;
+  options.reference = {0.05, 0.0, 2000};
+  options.mission.driver.budget = {0.5, 0.0, 400};
+  options.mission.baseline.budget = {0.5, 0.0, 2000};
+  options.mission.baseline.option_samples = 40;
+  return options;
+}
+
+// Two rooms of a cell, 2 m apart, no noise; the robot begins in r1, the book is to be in r2. Half
+// the time it is there: looking in r1 takes 2 s and shows it. Else it is grasped (4 s), carried
+// (1 + 2 * 2 s) and put down (3 s). With discount .98:
+// .5 (-2 + .98 * 100) + .5 (-2 - .98 * 4 - .98^2 * 5 - .98^3 * 3 + .98^4 * 100) = 87.9.
+TEST(MethodValues, AreThoseOfTheKnownOptimumWithoutNoise)
+{
+  const std::string floor = floorOf("exact", "--rooms 2 --cells 1 --layout line --exact");
+  const ValueTable table =
+      methodValues(floor, {Method::kPomdp1, Method::kHierarchical}, optionsFor(60));
+  double d = 1.0;
+  double carried = 0.0;
+  for (const double reward : {-2.0, -4.0, -5.0, -3.0, 100.0})
+  {
+    carried += d * reward;
+    d *= 0.98;
+  }
+  const double known = 0.5 * (-2.0 + 0.98 * 100.0) + 0.5 * carried;
+  EXPECT_LE(table.lower, known + 1e-6);
+  EXPECT_GE(table.upper, known - 1e-6);
+  EXPECT_NEAR(table.lower, known, 0.06);
+  for (const MethodValue& method : table.methods)
+  {
+    EXPECT_EQ(method.wrong + method.silent, 0U) << method.name;
+    EXPECT_TRUE(isNearBest(table, method)) << method.name;
+    for (const double value : method.discounted)
+      EXPECT_TRUE(std::abs(value - 96.0) < 1e-6 || std::abs(value - carried) < 1e-6) << value;
+  }
+}
+
+TEST(MethodValues, NoMethodEarnsMoreThanTheUpperBound)
+{
+  const ValueTable table =
+      methodValues(floorOf("noisy", "--rooms 2 --cells 2"), allMethods(), optionsFor(40));
+  ASSERT_EQ(table.methods.size(), allMethods().size() + 1);
+  for (const MethodValue& method : table.methods)
+    EXPECT_LE(meanOf(method.discounted).low, table.upper) << method.name;
+  std::ostringstream text;
+  print(text, table);
+  for (const Method method : allMethods())
+    EXPECT_NE(text.str().find(std::string("\n") + toString(method) + " "), std::string::npos);
+}
+
+// A belief that the goal holds by default is no reason to declare it.
+TEST(MethodValues, BiasedByDefaultsTheGoalIsMadeSureOf)
+{
+  ValueOptions options = optionsFor(100);
+  options.mission.baseline.default_probability = 0.95;
+  const ValueTable table =
+      methodValues(floorOf("default", "--rooms 2 --cells 1 --layout line --defaults 1 --exact"),
+                   {Method::kPomdp2}, options);
+  EXPECT_EQ(table.methods.back().wrong, 0U);
+}
+
+TEST(MethodValues, RefuseUnequalNumbersOfTrials)
+{
+  EXPECT_THROW(static_cast<void>(pairedDifference({1.0}, {1.0, 2.0})), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace kr3::executive
