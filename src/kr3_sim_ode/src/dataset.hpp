@@ -19,10 +19,17 @@ struct LabelledView
   Pose2 T_world_base;
 };
 
-struct ViewRange
+/// How objects stand around and from where one of them is looked at.
+struct SceneOptions
 {
   double min_distance_m = 0.7;  ///< from the camera to the object looked at, on the floor
   double max_distance_m = 2.5;
+  /// 0: all objects, scattered over the building's furniture. Else so many of them, drawn anew for
+  /// every view and crowded onto one piece of furniture, where they hide parts of each other.
+  int crowd = 0;
+  /// Objects are turned about the vertical by up to this much to either side, in addition to how
+  /// they are put down, rad.
+  double max_turn_rad = 0.0;
 };
 
 /// Draws a scene. The robot stands on free floor of the object's place and sees it inside the
@@ -31,7 +38,7 @@ struct ViewRange
 /// @throws FailedPrecondition  the building has no room for the objects or no such viewpoint
 [[nodiscard]] LabelledView drawView(const Building& building,
                                     const std::vector<ObjectModel>& models, const RobotModel& robot,
-                                    const ViewRange& range, bool background,
+                                    const SceneOptions& scene, bool background,
                                     std::mt19937_64& generator);
 
 }  // namespace kr3::sim

@@ -35,7 +35,7 @@ struct Options
   std::uint64_t seed = 1;
   CameraModel camera;
   CameraNoise noise;
-  ViewRange range;
+  SceneOptions scene;
   RobotModel robot;
 };
 
@@ -66,11 +66,22 @@ Options parse(int argc, char** argv)
       ->capture_default_str();
   app.add_option("--camera-pitch", options.robot.camera_pitch_rad, "rad, positive looks down")
       ->capture_default_str();
-  app.add_option("--min-distance", options.range.min_distance_m, "m")
+  app.add_option("--min-distance", options.scene.min_distance_m, "m")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--max-distance", options.range.max_distance_m, "m")
+  app.add_option("--max-distance", options.scene.max_distance_m, "m")
       ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--crowd", options.scene.crowd,
+                 "so many objects, close together on one piece of furniture (0: all, scattered)")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--turn", options.scene.max_turn_rad, "objects are turned by up to so much, rad")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--exposure-noise", options.noise.exposure_stddev,
+                 "standard deviation of a picture's exposure factor")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   try
   {
@@ -134,7 +145,7 @@ void render(const Options& options)
     const bool background = options.background_every > 0 &&
                             i % options.background_every == options.background_every - 1;
     const LabelledView view =
-        drawView(building, models, options.robot, options.range, background, generator);
+        drawView(building, models, options.robot, options.scene, background, generator);
     renderer.setLight(generator());
     const Pose T_world_camera = poseOf(view.T_world_base, 0.0) * options.robot.T_base_camera();
     cv::Mat image = renderer.image(T_world_camera, view.objects);
