@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <numeric>
 
 #include <opencv2/imgproc.hpp>
@@ -15,7 +14,8 @@ namespace kr3::perception
 namespace
 {
 
-constexpr int kShift = 3;  // 256 values to 32 bins
+constexpr int kShift = 3;              // 256 values to 32 bins
+constexpr double kObjectShare = 0.25;  // of an image that one object may fill
 
 std::size_t binOf(const cv::Vec3b& lab)
 {
@@ -72,23 +72,39 @@ double bhattacharyya(const cv::Mat& a, const cv::Mat& b)
   return std::sqrt(std::max(0.0, 1.0 - coefficient));
 }
 
-ForegroundModel::ForegroundModel(cv::Mat probabilities) : probabilities_(std::move(probabilities))
+ForegroundModel::ForegroundModel(cv::Mat densities) : densities_(std::move(densities))
 {
-  if (probabilities_.type() != CV_8UC1 || probabilities_.rows != 1 || probabilities_.cols != kBins)
-    throw InvalidArgument("colour table has " + std::to_string(probabilities_.total()) +
-                          " entries, expected " + std::to_string(kBins) + " bytes");
+  if (densities_.type() != CV_32FC1 || densities_.rows != 2 || densities_.cols != kBins)
+    throw InvalidArgument("colour table has " + std::to_string(densities_.rows) + " x " +
+                          std::to_string(densities_.cols) + " entries, expected 2 x " +
+                          std::to_string(kBins) + " floating-point numbers");
 }
 
 cv::Mat ForegroundModel::segment(const cv::Mat& lab) const
 {
+  std::vector<std::uint32_t> counts(kBins, 0);
+  for (int y = 0; y < lab.rows; ++y)
+  {
+    const cv::Vec3b* row = lab.ptr<cv::Vec3b>(y);
+    for (int x = 0; x < lab.cols; ++x)
+      ++counts[binOf(row[x])];
+  }
+  std::vector<std::uint8_t> decision(kBins, 0);
+  const float* object = densities_.ptr<float>(0);
+  const float* building = densities_.ptr<float>(1);
+  const double pixels = static_cast<double>(lab.total());
+  for (std::size_t i = 0; i < counts.size(); ++i)
+  {
+    const double rest = 0.5 * static_cast<double>(building[i]) + 0.5 * counts[i] / pixels;
+    decision[i] = counts[i] > 0 && kObjectShare * static_cast<double>(object[i]) > rest ? 255 : 0;
+  }
   cv::Mat result(lab.size(), CV_8U);
-  const std::uint8_t* table = probabilities_.ptr<std::uint8_t>();
   for (int y = 0; y < lab.rows; ++y)
   {
     const cv::Vec3b* from = lab.ptr<cv::Vec3b>(y);
     std::uint8_t* to = result.ptr<std::uint8_t>(y);
     for (int x = 0; x < lab.cols; ++x)
-      to[x] = table[binOf(from[x])] > 127 ? 255 : 0;
+      to[x] = decision[binOf(from[x])];
   }
   return result;
 }
@@ -150,28 +166,23 @@ void ColourCounter::add(const cv::Mat& lab, const cv::Mat& who)
 
 ForegroundModel ColourCounter::foreground() const
 {
-  // A bin that holds less than this share of all pixels of the building is as good as never seen
-  // there.
-  constexpr double kNovelShare = 2e-6;
-  Counts any(ForegroundModel::kBins, 0);
-  for (const Counts& counts : objects_)
-    std::transform(any.begin(), any.end(), counts.begin(), any.begin(), std::plus<>());
-  const std::vector<double> object = smoothed(any);
   const std::vector<double> building = smoothed(building_);
-  const double num_object = std::accumulate(object.begin(), object.end(), 0.0);
   const double num_building = std::accumulate(building.begin(), building.end(), 0.0);
   if (num_building <= 0.0)
     throw FailedPrecondition(
         "no pixel of the building was seen, so that objects cannot be told from it");
-  cv::Mat table(1, ForegroundModel::kBins, CV_8U);
-  for (std::size_t i = 0; i < object.size(); ++i)
+  cv::Mat densities = cv::Mat::zeros(2, ForegroundModel::kBins, CV_32F);
+  float* object = densities.ptr<float>(0);
+  for (const Counts& counts : objects_)
   {
-    const double p_object = (num_object > 0.0 ? object[i] / num_object : 0.0) + kNovelShare;
-    const double p_building = building[i] / num_building;
-    table.at<std::uint8_t>(static_cast<int>(i)) =
-        cv::saturate_cast<std::uint8_t>(255.0 * p_object / (p_object + p_building));
+    const std::vector<double> mine = smoothed(counts);
+    const double total = std::max(1.0, std::accumulate(mine.begin(), mine.end(), 0.0));
+    for (std::size_t i = 0; i < mine.size(); ++i)
+      object[i] = std::max(object[i], static_cast<float>(mine[i] / total));
   }
-  return ForegroundModel(table);
+  for (std::size_t i = 0; i < building.size(); ++i)
+    densities.ptr<float>(1)[i] = static_cast<float>(building[i] / num_building);
+  return ForegroundModel(densities);
 }
 
 ObjectColourModel ColourCounter::objects() const

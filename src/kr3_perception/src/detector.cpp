@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include <opencv2/imgproc.hpp>
+
 #include "kr3_common/error.hpp"
 #include "kr3_perception/evaluation.hpp"
-#include "logistic.hpp"
+#include "kr3_perception/labelled_folder.hpp"
 #include "proposals.hpp"
 
 namespace kr3::perception
@@ -12,21 +14,29 @@ namespace kr3::perception
 namespace
 {
 
-constexpr double kSamePlace = 0.6;  // overlap from which two detections compete
+constexpr double kSamePlace = 0.6;     // overlap from which two detections compete
+constexpr double kSameInstance = 0.3;  // overlap from which two of one object do
 constexpr int kMinImageSide = 16;
+constexpr double kMaxPixels = 1e8;
 
 DetectorModel checked(DetectorModel model, const DetectorOptions& options)
 {
   check(model);
-  if (model.weights.size() != kEvidenceCount)
-    throw InvalidArgument("the model has " + std::to_string(model.weights.size()) +
-                          " weights, expected " + std::to_string(kEvidenceCount));
+  if (model.classifier.numFeatures() != static_cast<int>(kEvidenceCount))
+    throw InvalidArgument("the model weighs " + std::to_string(model.classifier.numFeatures()) +
+                          " features, expected " + std::to_string(kEvidenceCount));
   if (!(options.min_probability >= 0.0 && options.min_probability < 1.0))
     throw InvalidArgument("min_probability is " + std::to_string(options.min_probability) +
                           ", expected [0, 1)");
   if (options.search_checks <= 0)
     throw InvalidArgument("search_checks is " + std::to_string(options.search_checks) +
                           ", expected > 0");
+  if (options.max_instances < 0)
+    throw InvalidArgument("max_instances is " + std::to_string(options.max_instances) +
+                          ", expected >= 0");
+  if (options.max_instances > 0)
+    for (ObjectDescription& object : model.objects)
+      object.max_in_image = options.max_instances;
   return model;
 }
 
@@ -44,35 +54,73 @@ public:
 
   [[nodiscard]] std::vector<Detection> detect(const cv::Mat& bgr) const
   {
-    if (bgr.type() != CV_8UC3 || bgr.cols < kMinImageSide || bgr.rows < kMinImageSide)
-      throw InvalidArgument("image of type " + cv::typeToString(bgr.type()) + " with " +
-                            std::to_string(bgr.cols) + " x " + std::to_string(bgr.rows) +
-                            " px, expected CV_8UC3 of at least 16 x 16");
-    std::vector<Detection> candidates;
-    for (const Proposal& proposal : proposals_.propose(bgr))
+    if (static_cast<double>(bgr.total()) > kMaxPixels)
+      throw InvalidArgument("image of " + std::to_string(bgr.cols) + " x " +
+                            std::to_string(bgr.rows) + " px, expected at most 100 megapixels");
+    const int side = std::max(bgr.cols, bgr.rows);
+    if (side <= kMaxImageSide)
+      return detectAsIs(bgr);
+    const double scale = static_cast<double>(kMaxImageSide) / side;
+    cv::Mat small;
+    cv::resize(bgr, small, {}, scale, scale, cv::INTER_AREA);
+    std::vector<Detection> detections = detectAsIs(small);
+    for (Detection& detection : detections)
     {
-      const double probability = logistic(model_.weights, proposal.evidence);
-      const ObjectDescription& object = model_.objects[static_cast<std::size_t>(proposal.object)];
-      if (probability >= options_.min_probability)
-        candidates.push_back({object.name, object.class_name, probability, proposal.box});
-    }
-    std::stable_sort(
-        candidates.begin(), candidates.end(),
-        [](const Detection& a, const Detection& b) { return a.probability > b.probability; });
-    std::vector<Detection> detections;
-    for (const Detection& candidate : candidates)
-    {
-      const bool beaten =
-          std::any_of(detections.begin(), detections.end(), [&](const Detection& better) {
-            return better.name == candidate.name || overlap(better.box, candidate.box) > kSamePlace;
-          });
-      if (!beaten)
-        detections.push_back(candidate);
+      const cv::Rect& box = detection.box;
+      detection.box =
+          cv::Rect(cv::Point(cvRound(box.x / scale), cvRound(box.y / scale)),
+                   cv::Point(cvRound(box.br().x / scale), cvRound(box.br().y / scale))) &
+          cv::Rect({}, bgr.size());
     }
     return detections;
   }
 
 private:
+  [[nodiscard]] std::vector<Detection> detectAsIs(const cv::Mat& bgr) const
+  {
+    if (bgr.type() != CV_8UC3 || bgr.cols < kMinImageSide || bgr.rows < kMinImageSide)
+      throw InvalidArgument("image of type " + cv::typeToString(bgr.type()) + " with " +
+                            std::to_string(bgr.cols) + " x " + std::to_string(bgr.rows) +
+                            " px, expected CV_8UC3 of at least 16 x 16");
+    struct Candidate
+    {
+      std::size_t object;
+      double probability;
+      cv::Rect box;
+    };
+    std::vector<Candidate> candidates;
+    for (const Proposal& proposal : proposals_.propose(bgr))
+    {
+      const double probability = model_.classifier.probability(proposal.evidence);
+      if (probability >= options_.min_probability)
+        candidates.push_back(
+            {static_cast<std::size_t>(proposal.object), probability, proposal.box});
+    }
+    std::stable_sort(
+        candidates.begin(), candidates.end(),
+        [](const Candidate& a, const Candidate& b) { return a.probability > b.probability; });
+    std::vector<int> count(model_.objects.size(), 0);
+    std::vector<Candidate> kept;
+    for (const Candidate& candidate : candidates)
+    {
+      const bool beaten = std::any_of(kept.begin(), kept.end(), [&](const Candidate& better) {
+        return overlap(better.box, candidate.box) >
+               (better.object == candidate.object ? kSameInstance : kSamePlace);
+      });
+      if (beaten || count[candidate.object] == model_.objects[candidate.object].max_in_image)
+        continue;
+      ++count[candidate.object];
+      kept.push_back(candidate);
+    }
+    std::vector<Detection> detections;
+    for (const Candidate& candidate : kept)
+    {
+      const ObjectDescription& object = model_.objects[candidate.object];
+      detections.push_back({object.name, object.class_name, candidate.probability, candidate.box});
+    }
+    return detections;
+  }
+
   DetectorModel model_;
   DetectorOptions options_;
   ProposalMaker proposals_;

@@ -22,6 +22,9 @@ void checkView(const ViewModel& view, std::size_t index, std::size_t num_objects
   if (view.histogram.type() != CV_32FC1 || view.histogram.rows != 1 ||
       view.histogram.cols != kHistogramBins)
     throw InvalidArgument(which + " has a colour histogram of the wrong shape");
+  if (view.thumbnail.type() != CV_8UC4 || view.thumbnail.rows != kThumbnailSide ||
+      view.thumbnail.cols != kThumbnailSide)
+    throw InvalidArgument(which + " has a thumbnail of the wrong shape");
   if (view.descriptors.rows != static_cast<int>(view.keypoints.size()) ||
       (view.descriptors.rows > 0 &&
        (view.descriptors.type() != CV_8UC1 || view.descriptors.cols != kDescriptorSize)))
@@ -39,8 +42,11 @@ void check(const DetectorModel& model)
   {
     if (object.name.empty() || !names.insert(object.name).second)
       throw InvalidArgument("object name '" + object.name + "' is empty or there twice");
-    if (!(object.width_m > 0.0 && object.height_m > 0.0))
-      throw InvalidArgument("object '" + object.name + "' has no positive size");
+    if (!(object.width_m >= 0.0 && object.height_m >= 0.0))
+      throw InvalidArgument("object '" + object.name + "' has a negative size");
+    if (object.max_in_image <= 0)
+      throw InvalidArgument("object '" + object.name + "' is said to be seen " +
+                            std::to_string(object.max_in_image) + " times an image");
   }
   if (model.shapes.size() != model.objects.size())
     throw InvalidArgument("found " + std::to_string(model.shapes.size()) + " shapes for " +

@@ -38,14 +38,23 @@ Evaluation::Evaluation(double threshold, int min_pixels, double match_overlap)
 void Evaluation::add(const std::vector<Detection>& detections, const std::vector<Label>& labels,
                      const std::map<std::string, std::string>& class_of)
 {
-  std::set<std::string> found;
+  std::set<std::size_t> found;  // indices into labels
+  std::set<std::size_t> told;   // of them, those told with enough certainty
   for (const Detection& detection : detections)
   {
-    const auto label = std::find_if(labels.begin(), labels.end(), [&](const Label& candidate) {
-      return candidate.name == detection.name &&
-             overlap(candidate.box, detection.box) >= match_overlap_;
-    });
-    const bool right = label != labels.end();
+    // Of several equal objects the one that overlaps most and is not taken yet.
+    std::size_t label = labels.size();
+    double best = match_overlap_;
+    for (std::size_t i = 0; i < labels.size(); ++i)
+      if (labels[i].name == detection.name && found.count(i) == 0)
+        if (const double common = overlap(labels[i].box, detection.box); common >= best)
+        {
+          best = common;
+          label = i;
+        }
+    const bool right = label < labels.size();
+    if (right)
+      found.insert(label);
     ReliabilityBin& bin =
         bins_[std::min(kNumBins - 1, static_cast<std::size_t>(detection.probability * kNumBins))];
     ++bin.detections;
@@ -58,13 +67,15 @@ void Evaluation::add(const std::vector<Detection>& detections, const std::vector
       continue;
     if (!right)
       ++classes_[detection.class_name].wrong;
-    else if (label->pixels >= min_pixels_ && found.insert(label->name).second)
+    else if (labels[label].pixels >= min_pixels_)
+    {
       ++classes_[detection.class_name].right;
+      told.insert(label);
+    }
   }
-  for (const Label& label : labels)
-    if (label.pixels >= min_pixels_ && found.count(label.name) == 0 &&
-        class_of.count(label.name) > 0)
-      ++classes_[class_of.at(label.name)].missed;
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    if (labels[i].pixels >= min_pixels_ && told.count(i) == 0 && class_of.count(labels[i].name) > 0)
+      ++classes_[class_of.at(labels[i].name)].missed;
 }
 
 ClassScore Evaluation::total() const

@@ -12,7 +12,41 @@ namespace kr3::perception
 namespace
 {
 
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
+
+/// Trees as rows [tree, feature, threshold, left, right, value].
+cv::Mat packed(const std::vector<Tree>& trees)
+{
+  constexpr int kColumns = 6;
+  cv::Mat rows(0, kColumns, CV_64F);
+  for (std::size_t t = 0; t < trees.size(); ++t)
+    for (const TreeNode& node : trees[t])
+    {
+      const cv::Mat row = (cv::Mat_<double>(1, kColumns) << static_cast<double>(t), node.feature,
+                           node.threshold, node.left, node.right, node.value);
+      rows.push_back(row);
+    }
+  return rows;
+}
+
+std::vector<Tree> unpackedTrees(const cv::Mat& rows)
+{
+  if (!rows.empty() && (rows.type() != CV_64F || rows.cols != 6))
+    throw InvalidArgument("the trees have the wrong shape");
+  std::vector<Tree> trees;
+  for (int i = 0; i < rows.rows; ++i)
+  {
+    const double* row = rows.ptr<double>(i);
+    if (row[0] != static_cast<double>(trees.size()) &&
+        row[0] + 1.0 != static_cast<double>(trees.size()))
+      throw InvalidArgument("row " + std::to_string(i) + " of the trees is not in order");
+    if (row[0] == static_cast<double>(trees.size()))
+      trees.emplace_back();
+    trees.back().push_back({static_cast<int>(row[1]), row[2], static_cast<int>(row[3]),
+                            static_cast<int>(row[4]), row[5]});
+  }
+  return trees;
+}
 
 cv::Mat packed(const std::vector<cv::KeyPoint>& keypoints)
 {
@@ -53,7 +87,7 @@ void write(cv::FileStorage& file, const DetectorModel& model)
     const ShapeModel& shape = model.shapes[i];
     file << "{"
          << "name" << object.name << "class" << object.class_name << "width" << object.width_m
-         << "height" << object.height_m << "shape_mean"
+         << "height" << object.height_m << "max_in_image" << object.max_in_image << "shape_mean"
          << std::vector<double>(shape.mean.begin(), shape.mean.end()) << "shape_deviation"
          << std::vector<double>(shape.deviation.begin(), shape.deviation.end()) << "}";
   }
@@ -66,13 +100,15 @@ void write(cv::FileStorage& file, const DetectorModel& model)
     view.histogram.convertTo(histogram, CV_16U, 65535.0);
     file << "{"
          << "object" << view.object << "size" << view.size << "histogram" << histogram
-         << "keypoints" << packed(view.keypoints) << "descriptors" << view.descriptors << "}";
+         << "thumbnail" << view.thumbnail << "keypoints" << packed(view.keypoints) << "descriptors"
+         << view.descriptors << "}";
   }
   file << "]";
   file << "background_descriptors" << model.background_descriptors;
-  file << "foreground" << model.foreground.probabilities();
+  file << "foreground" << model.foreground.densities();
   file << "object_colours" << model.object_colours.probabilities();
-  file << "weights" << model.weights;
+  file << "features" << model.classifier.numFeatures() << "log_odds" << model.classifier.logOdds()
+       << "trees" << packed(model.classifier.trees());
 }
 
 Shape shapeFrom(const cv::FileNode& node)
@@ -110,7 +146,8 @@ DetectorModel read(const cv::FileStorage& file)
   {
     model.objects.push_back(
         {static_cast<std::string>(node["name"]), static_cast<std::string>(node["class"]),
-         static_cast<double>(node["width"]), static_cast<double>(node["height"])});
+         static_cast<double>(node["width"]), static_cast<double>(node["height"]),
+         static_cast<int>(node["max_in_image"])});
     model.shapes.push_back({shapeFrom(node["shape_mean"]), shapeFrom(node["shape_deviation"])});
   }
   for (const cv::FileNode& node : file["views"])
@@ -119,11 +156,14 @@ DetectorModel read(const cv::FileStorage& file)
     view.object = static_cast<int>(node["object"]);
     node["size"] >> view.size;
     matrixFrom(node["histogram"]).convertTo(view.histogram, CV_32F, 1.0 / 65535.0);
+    view.thumbnail = matrixFrom(node["thumbnail"]);
     view.keypoints = unpacked(matrixFrom(node["keypoints"]));
     view.descriptors = matrixFrom(node["descriptors"]);
     model.views.push_back(view);
   }
-  file["weights"] >> model.weights;
+  model.classifier =
+      BoostedTrees(static_cast<int>(file["features"]), static_cast<double>(file["log_odds"]),
+                   unpackedTrees(matrixFrom(file["trees"])));
   check(model);
   return model;
 }

@@ -1,6 +1,7 @@
 #include "kr3_perception/object_list.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include <yaml-cpp/yaml.h>
 
@@ -68,6 +69,19 @@ std::vector<ObjectDescription> loadObjectList(const std::string& path)
       throw InvalidArgument(path + ": " + e.what());
     }
   }
+  return objects;
+}
+
+std::vector<ObjectDescription> objectsOf(const std::vector<LabelledFolder>& folders)
+{
+  std::set<std::string> names;
+  for (const LabelledFolder& folder : folders)
+    for (std::size_t i = 0; i < folder.size(); ++i)
+      for (const Label& label : folder.labels(i))
+        names.insert(label.name);
+  std::vector<ObjectDescription> objects;
+  for (const std::string& name : names)
+    objects.push_back({name, name, 0.0, 0.0, 1});
   return objects;
 }
 

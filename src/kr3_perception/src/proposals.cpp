@@ -77,6 +77,38 @@ std::vector<Region> components(const cv::Mat& mask, int min_pixels)
   return regions;
 }
 
+/// Boxes around parts of the image that are full of strong edges, as prints and labels are: there
+/// local features may find what has no colour of its own.
+std::vector<cv::Rect> busyBoxes(const cv::Mat& grey)
+{
+  constexpr int kStep = 2;           // the search works on an image this much smaller
+  constexpr double kEdge = 45.0;     // grey levels, across three pixels
+  constexpr int kWindow = 11;        // px: a single straight edge does not fill it
+  constexpr double kDensity = 0.30;  // of edge pixels in the window
+  constexpr int kMinArea = 30;       // px
+  cv::Mat small;
+  cv::resize(grey, small, {}, 1.0 / kStep, 1.0 / kStep, cv::INTER_AREA);
+  cv::Mat edges;
+  cv::morphologyEx(small, edges, cv::MORPH_GRADIENT, cv::Mat::ones(3, 3, CV_8U));
+  edges = edges > kEdge;
+  cv::Mat density;
+  cv::boxFilter(edges, density, CV_8U, {kWindow, kWindow});
+  const cv::Mat busy = density > 255.0 * kDensity;
+  cv::Mat labels;
+  cv::Mat statistics;
+  cv::Mat centres;
+  const int n = cv::connectedComponentsWithStats(busy, labels, statistics, centres, 8, CV_32S);
+  std::vector<cv::Rect> boxes;
+  for (int i = 1; i < n; ++i)
+  {
+    const int* row = statistics.ptr<int>(i);
+    if (row[cv::CC_STAT_AREA] >= kMinArea)
+      boxes.emplace_back(kStep * row[cv::CC_STAT_LEFT], kStep * row[cv::CC_STAT_TOP],
+                         kStep * row[cv::CC_STAT_WIDTH], kStep * row[cv::CC_STAT_HEIGHT]);
+  }
+  return boxes;
+}
+
 bool touchesBorder(const cv::Rect& box, const cv::Mat& image)
 {
   return box.x <= 1 || box.y <= 1 || box.br().x >= image.cols - 1 || box.br().y >= image.rows - 1;
@@ -152,7 +184,7 @@ std::vector<Proposal> ProposalMaker::propose(const cv::Mat& bgr) const
   cv::morphologyEx(foreground, foreground, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8U));
   cv::morphologyEx(foreground, foreground, cv::MORPH_CLOSE, cv::Mat::ones(7, 7, CV_8U));
   std::vector<Region> regions = components<Region>(foreground, kMinRegionPixels);
-  std::vector<cv::Rect> boxes;
+  std::vector<cv::Rect> boxes = busyBoxes(grey);
   for (const Region& region : regions)
     boxes.push_back(region.box);
   const MatchResult matches = matcher_.match(extractor_.extract(grey, disjoint(boxes, image)));
@@ -171,8 +203,34 @@ std::vector<Proposal> ProposalMaker::propose(const cv::Mat& bgr) const
   std::vector<Proposal> proposals;
   for (const Draft& draft : drafts)
     proposals.push_back(
-        {draft.object, draft.box, weigh(draft, regions, matches.votes, bgr, foreground)});
+        {draft.object, draft.box, weigh(draft, regions, matches.votes, bgr, lab, foreground)});
+  compareRivals(proposals);
   return proposals;
+}
+
+void ProposalMaker::compareRivals(std::vector<Proposal>& proposals) const
+{
+  const auto at = [](const Proposal& proposal, Evidence which) {
+    return proposal.evidence[static_cast<std::size_t>(which)];
+  };
+  for (Proposal& mine : proposals)
+  {
+    double votes = 0.0;
+    double appearance = at(mine, Evidence::kAppearance);
+    bool alone = true;
+    for (const Proposal& other : proposals)
+    {
+      if (&other == &mine || other.object != mine.object || overlap(other.box, mine.box) > kSameBox)
+        continue;
+      votes = std::max(votes, at(other, Evidence::kVotes));
+      const double theirs = at(other, Evidence::kAppearance);
+      appearance = alone ? theirs : std::min(appearance, theirs);
+      alone = false;
+    }
+    mine.evidence[static_cast<std::size_t>(Evidence::kRivalVotes)] = votes;
+    mine.evidence[static_cast<std::size_t>(Evidence::kRivalAppearance)] =
+        alone ? 0.0 : at(mine, Evidence::kAppearance) - appearance;
+  }
 }
 
 void ProposalMaker::addRegionDrafts(const std::vector<Region>& regions, const cv::Mat& bgr,
@@ -217,7 +275,7 @@ std::vector<int> ProposalMaker::likelyObjects(const Region& region, const cv::Ma
 
 std::vector<double> ProposalMaker::weigh(const Draft& draft, const std::vector<Region>& regions,
                                          const std::vector<FeatureVote>& votes, const cv::Mat& bgr,
-                                         const cv::Mat& foreground) const
+                                         const cv::Mat& lab, const cv::Mat& foreground) const
 {
   const std::size_t object = static_cast<std::size_t>(draft.object);
   int own_votes = 0;
@@ -237,6 +295,14 @@ std::vector<double> ProposalMaker::weigh(const Draft& draft, const std::vector<R
   for (std::size_t i = 0; i < distances.size(); ++i)
     if (i != object)
       rival = std::min(rival, distances[i]);
+  const cv::Mat thumbnail = thumbnailOf(lab(draft.box));
+  double appearance = 1.0;
+  double other_appearance = 1.0;
+  for (const ViewModel& view : model_.views)
+  {
+    double& least = view.object == draft.object ? appearance : other_appearance;
+    least = std::min(least, thumbnailDistance(thumbnail, view.thumbnail));
+  }
   // Without a silhouette of its own only the box's aspect is known.
   const ShapeModel& shape_model = model_.shapes[object];
   Shape shape = shape_model.mean;
@@ -249,19 +315,22 @@ std::vector<double> ProposalMaker::weigh(const Draft& draft, const std::vector<R
   const auto set = [&](Evidence which, double value) {
     evidence[static_cast<std::size_t>(which)] = value;
   };
-  set(Evidence::kIntercept, 1.0);
   set(Evidence::kInliers, std::min(3.5, std::log1p(draft.inliers)));
   set(Evidence::kInlierRatio, draft.inlier_ratio);
   set(Evidence::kVotes, std::min(3.5, std::log1p(own_votes)));
   set(Evidence::kOtherVotes, std::min(3.5, std::log1p(other_votes)));
   set(Evidence::kColour, distances[object]);
   set(Evidence::kColourMargin, distances[object] - rival);
+  set(Evidence::kAppearance, appearance);
+  set(Evidence::kAppearanceMargin, appearance - other_appearance);
   set(Evidence::kShape, shape_model.distance(shape));
   const bool is_part = is_region && regions[static_cast<std::size_t>(draft.region)].object >= 0;
   set(Evidence::kRegion, is_region && !is_part ? 1.0 : 0.0);
   set(Evidence::kPart, is_part ? 1.0 : 0.0);
   set(Evidence::kRegionInliers, is_region && draft.inliers > 0 ? 1.0 : 0.0);
   set(Evidence::kArea, std::log(draft.box.area()) - 7.0);
+  set(Evidence::kAspect, std::log(static_cast<double>(draft.box.width) / draft.box.height));
+  set(Evidence::kFill, static_cast<double>(cv::countNonZero(mask)) / draft.box.area());
   set(Evidence::kBorder, touchesBorder(draft.box, bgr) ? 1.0 : 0.0);
   return evidence;
 }

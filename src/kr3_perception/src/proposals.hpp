@@ -13,22 +13,27 @@
 namespace kr3::perception
 {
 
-/// What speaks for and against a proposal, in the order of DetectorModel::weights.
+/// What speaks for and against a proposal, in the order that the classifier expects.
 enum class Evidence
 {
-  kIntercept,  // 1
-  kInliers,    // log(1 + features that agree on a view), at most 3.5
+  kInliers,  // log(1 + features that agree on a view), at most 3.5
   kInlierRatio,
-  kVotes,          // log(1 + features of this object in the box)
-  kOtherVotes,     // log(1 + features of other objects in the box)
-  kColour,         // Bhattacharyya distance to this object's nearest views
-  kColourMargin,   // that minus the least distance to another object
-  kShape,          // ShapeModel::distance()
-  kRegion,         // 1 when the box is that of one coloured region
-  kPart,           // 1 when it is that of the part of a region in this object's colours
-  kRegionInliers,  // 1 when it is, and features agree as well
-  kArea,           // log of the area in px
-  kBorder,         // 1 when the image cuts it off
+  kVotes,             // log(1 + features of this object in the box)
+  kOtherVotes,        // log(1 + features of other objects in the box)
+  kColour,            // Bhattacharyya distance to this object's nearest views
+  kColourMargin,      // that minus the least distance to another object
+  kAppearance,        // thumbnailDistance() to this object's nearest view
+  kAppearanceMargin,  // that minus the least distance to another object
+  kRivalAppearance,   // that minus the least of another proposal for this object; 0 without one
+  kRivalVotes,        // log(1 + most votes for another proposal for this object)
+  kShape,             // ShapeModel::distance()
+  kRegion,            // 1 when the box is that of one coloured region
+  kPart,              // 1 when it is that of the part of a region in this object's colours
+  kRegionInliers,     // 1 when it is, and features agree as well
+  kArea,              // log of the area in px
+  kAspect,            // log of width / height
+  kFill,              // share of the box in colours of objects
+  kBorder,            // 1 when the image cuts it off
   kCount,
 };
 inline constexpr std::size_t kEvidenceCount = static_cast<std::size_t>(Evidence::kCount);
@@ -45,7 +50,7 @@ struct Proposal
 class ProposalMaker
 {
 public:
-  /// @param model  outlives the maker; its weights are not used
+  /// @param model  outlives the maker; its classifier is not used
   ProposalMaker(const DetectorModel& model, const DetectorOptions& options);
 
   /// @param bgr  CV_8UC3
@@ -76,7 +81,8 @@ private:
   [[nodiscard]] std::vector<double> colourDistances(const cv::Mat& hsv, const cv::Mat& mask) const;
   [[nodiscard]] std::vector<double> weigh(const Draft& draft, const std::vector<Region>& regions,
                                           const std::vector<FeatureVote>& votes, const cv::Mat& bgr,
-                                          const cv::Mat& foreground) const;
+                                          const cv::Mat& lab, const cv::Mat& foreground) const;
+  void compareRivals(std::vector<Proposal>& proposals) const;
 
   const DetectorModel& model_;
   FeatureExtractor extractor_;

@@ -11,7 +11,6 @@
 #include "kr3_common/error.hpp"
 #include "kr3_perception/evaluation.hpp"
 #include "kr3_perception/features.hpp"
-#include "logistic.hpp"
 #include "proposals.hpp"
 
 namespace kr3::perception
@@ -19,16 +18,16 @@ namespace kr3::perception
 namespace
 {
 
-constexpr int kMaxCandidates = 60;           // views per object among which the best are chosen
+constexpr std::size_t kMaxCandidates = 120;  // views per object among which the best are chosen
 constexpr double kSameFeature = 250.0;       // L2 distance of descriptors that tell the same
 constexpr double kSmallestDeviation = 0.05;  // of a shape: no object is that exactly known
-constexpr double kPenalty = 1e-2;
 constexpr int kPadding = 16;
 constexpr unsigned kSeed = 1;
 
 /// Everything one object shows in the training images.
 struct Candidates
 {
+  std::size_t seen = 0;
   std::vector<ViewModel> views;
   std::vector<int> pixels;
   std::vector<Shape> shapes;
@@ -52,6 +51,9 @@ ViewModel viewOf(int object, const LabelledImage& image, const Label& label, con
   cv::cvtColor(image.bgr, grey, cv::COLOR_BGR2GRAY);
   const cv::Rect around(label.box.x - kPadding, label.box.y - kPadding,
                         label.box.width + 2 * kPadding, label.box.height + 2 * kPadding);
+  cv::Mat lab;
+  cv::cvtColor(image.bgr(label.box), lab, cv::COLOR_BGR2Lab);
+  view.thumbnail = thumbnailOf(lab, mask(label.box));
   const Features features = extractor.extract(grey, {around}, mask);
   const cv::Point2f centre(
       static_cast<float>(label.box.x) + static_cast<float>(label.box.width) / 2.0F,
@@ -63,6 +65,32 @@ ViewModel viewOf(int object, const LabelledImage& image, const Label& label, con
   for (cv::KeyPoint& keypoint : view.keypoints)
     keypoint.pt -= centre;
   return view;
+}
+
+/// Whether no other label's box covers a part of this one's.
+bool apart(const Label& label, const std::vector<Label>& labels)
+{
+  constexpr double kCovered = 0.04;
+  return std::all_of(labels.begin(), labels.end(), [&](const Label& other) {
+    return &other == &label || (other.box & label.box).area() <= kCovered * label.box.area();
+  });
+}
+
+/// Raises max_in_image of `objects` to what is seen in `folders`.
+void countInstances(const std::vector<LabelledFolder>& folders,
+                    std::vector<ObjectDescription>& objects)
+{
+  for (const LabelledFolder& folder : folders)
+    for (std::size_t i = 0; i < folder.size(); ++i)
+    {
+      const std::vector<Label>& labels = folder.labels(i);
+      for (ObjectDescription& object : objects)
+        object.max_in_image = std::max(
+            object.max_in_image,
+            static_cast<int>(std::count_if(labels.begin(), labels.end(), [&](const Label& label) {
+              return label.name == object.name;
+            })));
+    }
 }
 
 /// Features of `view` that none of `known` resembles.
@@ -147,7 +175,9 @@ DetectorModel Trainer::train(const std::vector<LabelledFolder>& looks,
                              const Progress& progress) const
 {
   DetectorModel model = learnLooks(looks, progress);
-  model.weights = learnWeights(model, calibration, progress);
+  for (const std::vector<LabelledFolder>* folders : {&looks, &calibration})
+    countInstances(*folders, model.objects);
+  model.classifier = learnClassifier(model, calibration, progress);
   return model;
 }
 
@@ -159,10 +189,12 @@ DetectorModel Trainer::learnLooks(const std::vector<LabelledFolder>& folders,
     index[objects_[i].name] = static_cast<int>(i);
   const FeatureExtractor extractor(options_.detector.max_features);
   std::vector<Candidates> candidates(objects_.size());
+  std::vector<Candidates> hidden(objects_.size());
   ColourCounter colours(static_cast<int>(objects_.size()));
   cv::Mat background(0, 128, CV_8U);
   std::mt19937_64 random(kSeed);
   std::size_t seen = 0;
+  std::map<std::string, int> unknown;
   for (const LabelledFolder& folder : folders)
     for (std::size_t i = 0; i < folder.size(); ++i)
     {
@@ -172,17 +204,32 @@ DetectorModel Trainer::learnLooks(const std::vector<LabelledFolder>& folders,
       {
         const auto known = index.find(label.name);
         if (known == index.end())
+        {
+          ++unknown[label.name];
           continue;
+        }
         const cv::Mat mask = maskOf(image, label);
         who.setTo(known->second, mask);
-        Candidates& mine = candidates[static_cast<std::size_t>(known->second)];
-        if (label.pixels < options_.min_pixels || cutOff(label.box, image.bgr) ||
-            mine.views.size() >= kMaxCandidates)
+        // What is partly hidden teaches looks only when there is nothing better.
+        Candidates& mine =
+            (apart(label, image.labels) ? candidates
+                                        : hidden)[static_cast<std::size_t>(known->second)];
+        if (label.pixels < options_.min_pixels || cutOff(label.box, image.bgr))
           continue;
-        mine.views.push_back(
-            viewOf(known->second, image, label, mask, extractor, options_.keypoints_per_view));
-        mine.pixels.push_back(label.pixels);
-        mine.shapes.push_back(shapeOf(mask(label.box)));
+        // Reservoir sampling: every view is a candidate with the same probability.
+        ++mine.seen;
+        std::size_t slot = mine.views.size();
+        if (slot == kMaxCandidates)
+          slot = random() % mine.seen;
+        if (slot >= kMaxCandidates)
+          continue;
+        mine.views.resize(std::max(mine.views.size(), slot + 1));
+        mine.pixels.resize(mine.views.size());
+        mine.shapes.resize(mine.views.size());
+        mine.views[slot] =
+            viewOf(known->second, image, label, mask, extractor, options_.keypoints_per_view);
+        mine.pixels[slot] = label.pixels;
+        mine.shapes[slot] = shapeOf(mask(label.box));
       }
       cv::Mat lab;
       cv::cvtColor(image.bgr, lab, cv::COLOR_BGR2Lab);
@@ -208,9 +255,15 @@ DetectorModel Trainer::learnLooks(const std::vector<LabelledFolder>& folders,
                  " images");
     }
 
+  for (const auto& [name, count] : unknown)
+    progress("'" + name + "' is no object to be learned: its " + std::to_string(count) +
+             (count == 1 ? " label counts" : " labels count") + " as building");
+
   DetectorModel model{objects_, {}, {}, background, colours.foreground(), colours.objects(), {}};
   for (std::size_t i = 0; i < objects_.size(); ++i)
   {
+    if (candidates[i].views.empty())
+      candidates[i] = std::move(hidden[i]);
     if (candidates[i].views.empty())
       throw InvalidArgument("no training image shows '" + objects_[i].name +
                             "' whole with at least " + std::to_string(options_.min_pixels) +
@@ -225,13 +278,15 @@ DetectorModel Trainer::learnLooks(const std::vector<LabelledFolder>& folders,
   return model;
 }
 
-std::vector<double> Trainer::learnWeights(const DetectorModel& model,
-                                          const std::vector<LabelledFolder>& folders,
-                                          const Progress& progress) const
+BoostedTrees Trainer::learnClassifier(const DetectorModel& model,
+                                      const std::vector<LabelledFolder>& folders,
+                                      const Progress& progress) const
 {
   const ProposalMaker maker(model, options_.detector);
   std::vector<std::vector<double>> evidence;
   std::vector<bool> truth;
+  std::vector<int> image_of;
+  int num_images = 0;
   for (const LabelledFolder& folder : folders)
     for (std::size_t i = 0; i < folder.size(); ++i)
     {
@@ -240,11 +295,13 @@ std::vector<double> Trainer::learnWeights(const DetectorModel& model,
       {
         const std::string& name = objects_[static_cast<std::size_t>(proposal.object)].name;
         evidence.push_back(proposal.evidence);
+        image_of.push_back(num_images);
         truth.push_back(std::any_of(image.labels.begin(), image.labels.end(),
                                     [&](const Label& label) {
           return label.name == name && overlap(label.box, proposal.box) >= options_.match_overlap;
         }));
       }
+      ++num_images;
     }
   const auto right = std::count(truth.begin(), truth.end(), true);
   if (right == 0 || right == static_cast<std::ptrdiff_t>(truth.size()))
@@ -253,7 +310,7 @@ std::vector<double> Trainer::learnWeights(const DetectorModel& model,
                           " proposals: expected some of both kinds");
   progress("calibrated on " + std::to_string(truth.size()) + " proposals, " +
            std::to_string(right) + " right");
-  return fitLogistic(evidence, truth, kPenalty);
+  return fitBoostedTrees(evidence, truth, image_of);
 }
 
 }  // namespace kr3::perception

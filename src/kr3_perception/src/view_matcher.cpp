@@ -130,26 +130,46 @@ MatchResult ViewMatcher::match(const Features& features) const
     }
   }
 
-  std::map<int, std::vector<int>> views_of_object;
+  std::map<int, std::map<int, std::vector<Pair>>> of_object;
+  for (auto& [view, pairs] : pairs_of_view)
+    of_object[model_.views[static_cast<std::size_t>(view)].object][view] = std::move(pairs);
+  for (auto& [object, views] : of_object)
+    for (int i = 0; i < model_.objects[static_cast<std::size_t>(object)].max_in_image; ++i)
+    {
+      const ViewMatch best = bestView(views, features);
+      if (best.inliers < kMinInliers)
+        break;
+      result.best.push_back(best);
+      // The next instance is made of other features.
+      for (auto& [view, pairs] : views)
+        pairs.erase(std::remove_if(
+                        pairs.begin(), pairs.end(),
+                        [&](const Pair& pair) {
+          return best.box.contains(features.keypoints[static_cast<std::size_t>(pair.feature)].pt);
+                        }),
+                    pairs.end());
+    }
+  return result;
+}
+
+ViewMatch ViewMatcher::bestView(const std::map<int, std::vector<Pair>>& pairs_of_view,
+                                const Features& features) const
+{
+  std::vector<int> order;
   for (const auto& [view, pairs] : pairs_of_view)
     if (static_cast<int>(pairs.size()) >= kMinInliers)
-      views_of_object[model_.views[static_cast<std::size_t>(view)].object].push_back(view);
-  for (auto& [object, views] : views_of_object)
+      order.push_back(view);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return pairs_of_view.at(a).size() > pairs_of_view.at(b).size();
+  });
+  ViewMatch best;
+  for (std::size_t i = 0; i < order.size() && i < kViewsTried; ++i)
   {
-    std::stable_sort(views.begin(), views.end(), [&](int a, int b) {
-      return pairs_of_view.at(a).size() > pairs_of_view.at(b).size();
-    });
-    ViewMatch best;
-    for (std::size_t i = 0; i < views.size() && i < kViewsTried; ++i)
-    {
-      const ViewMatch candidate = fit(views[i], pairs_of_view.at(views[i]), features);
-      if (candidate.inliers > best.inliers)
-        best = candidate;
-    }
-    if (best.inliers >= kMinInliers)
-      result.best.push_back(best);
+    const ViewMatch candidate = fit(order[i], pairs_of_view.at(order[i]), features);
+    if (candidate.inliers > best.inliers)
+      best = candidate;
   }
-  return result;
+  return best;
 }
 
 ViewMatch ViewMatcher::fit(int view_index, const std::vector<Pair>& pairs,

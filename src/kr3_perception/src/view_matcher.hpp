@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -32,7 +33,7 @@ struct ViewMatch
 struct MatchResult
 {
   std::vector<FeatureVote> votes;
-  std::vector<ViewMatch> best;  ///< at most one an object
+  std::vector<ViewMatch> best;  ///< per object at most max_in_image, apart from each other
 };
 
 /// Finds learned views in the features of an image (Lowe 2004: ratio test, here with the building
@@ -55,6 +56,9 @@ private:
     int keypoint = 0;  ///< in the view
   };
 
+  /// @param pairs_of_view  of one object
+  [[nodiscard]] ViewMatch bestView(const std::map<int, std::vector<Pair>>& pairs_of_view,
+                                   const Features& features) const;
   [[nodiscard]] ViewMatch fit(int view, const std::vector<Pair>& pairs,
                               const Features& features) const;
 

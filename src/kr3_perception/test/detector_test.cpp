@@ -3,6 +3,7 @@
 #include <map>
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include <kr3_common/error.hpp>
 
@@ -137,6 +138,41 @@ TEST_F(DetectorTest, RejectsImagesItCannotRead)
   EXPECT_THROW((void)detector.detect(cv::Mat()), InvalidArgument);
   EXPECT_THROW((void)detector.detect(cv::Mat::zeros(240, 320, CV_8U)), InvalidArgument);
   EXPECT_THROW((void)detector.detect(cv::Mat::zeros(4, 4, CV_8UC3)), InvalidArgument);
+  EXPECT_THROW((void)detector.detect(cv::Mat::zeros(10001, 10000, CV_8UC3)), InvalidArgument);
+}
+
+TEST_F(DetectorTest, LooksAtLargeImagesSmaller)
+{
+  const LabelledImage image = world_->scene(5003);
+  const Detector detector(*model_, {});
+  const std::vector<Detection> small = detector.detect(image.bgr);
+  cv::Mat large;
+  cv::resize(image.bgr, large, {}, 8.0, 8.0, cv::INTER_LINEAR);
+  ASSERT_FALSE(small.empty());
+  for (const Detection& detection : detector.detect(large))
+    EXPECT_EQ(detection.box & cv::Rect({}, large.size()), detection.box);
+}
+
+TEST_F(DetectorTest, ReportsEqualObjectsWhenToldThatThereMayBeSome)
+{
+  // Two pictures of the same scene beside each other hold every object twice.
+  const LabelledImage image = world_->scene(5003);
+  cv::Mat twice;
+  cv::hconcat(image.bgr, image.bgr, twice);
+  ASSERT_FALSE(image.labels.empty());
+  DetectorOptions options;
+  const auto most = [&] {
+    std::map<std::string, int> count;
+    for (const Detection& detection : Detector(*model_, options).detect(twice))
+      ++count[detection.name];
+    int result = 0;
+    for (const auto& [name, n] : count)
+      result = std::max(result, n);
+    return result;
+  };
+  EXPECT_EQ(most(), 1);
+  options.max_instances = 4;
+  EXPECT_EQ(most(), 2);
 }
 
 TEST_F(DetectorTest, RejectsBadModelsAndOptions)
@@ -144,8 +180,11 @@ TEST_F(DetectorTest, RejectsBadModelsAndOptions)
   DetectorOptions options;
   options.min_probability = 1.0;
   EXPECT_THROW(Detector(*model_, options), InvalidArgument);
+  options = {};
+  options.max_instances = -1;
+  EXPECT_THROW(Detector(*model_, options), InvalidArgument);
   DetectorModel uncalibrated = *model_;
-  uncalibrated.weights.clear();
+  uncalibrated.classifier = BoostedTrees();
   EXPECT_THROW(Detector(uncalibrated, {}), InvalidArgument);
   DetectorModel wrong = *model_;
   wrong.views.front().object = 99;

@@ -56,7 +56,7 @@ TEST(ModelFile, NamesAFileThatIsMissingOrBad)
   const test::TemporaryFolder folder;
   EXPECT_THROW((void)loadModel(folder.path() + "/none.yml.gz"), Unavailable);
   EXPECT_THROW((void)loadModel(write(folder, "empty.yml", "%YAML:1.0\n---\n")), InvalidArgument);
-  EXPECT_THROW((void)loadModel(write(folder, "other.yml", "%YAML:1.0\n---\nformat: 7\n")),
+  EXPECT_THROW((void)loadModel(write(folder, "other.yml", "%YAML:1.0\n---\nformat: 1\n")),
                InvalidArgument);
   EXPECT_THROW((void)loadModel(write(folder, "text.yml", "no model at all")), InvalidArgument);
 }
@@ -73,22 +73,6 @@ TEST(ModelFile, LoadsTheModelsOfTheDomains)
     EXPECT_DOUBLE_EQ(model.objects[i].height_m, objects[i].height_m);
   }
   EXPECT_NO_THROW(Detector(model, {}));
-}
-
-TEST(LabelledFolder, ReadsWhatIsThereAndNamesWhatIsNot)
-{
-  const test::TemporaryFolder folder;
-  EXPECT_THROW(LabelledFolder(folder.path()), Unavailable);
-  write(folder, "labels.json",
-        R"({"images": [{"image": "a.png", "objects": [{"name": "x", "box": [0, 0, 0, 4]}]}]})");
-  EXPECT_THROW(LabelledFolder(folder.path()), InvalidArgument);
-  write(folder, "labels.json", R"({"pictures": []})");
-  EXPECT_THROW(LabelledFolder(folder.path()), InvalidArgument);
-  write(folder, "labels.json", R"({"images": [{"image": "a.png", "objects": []}]})");
-  const LabelledFolder labelled(folder.path());
-  EXPECT_EQ(labelled.size(), 1U);
-  EXPECT_THROW((void)labelled.image(0), Unavailable);
-  EXPECT_THROW((void)labelled.image(1), InvalidArgument);
 }
 
 TEST(ObjectList, TakesSizesByShape)

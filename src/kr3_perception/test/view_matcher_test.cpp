@@ -18,7 +18,7 @@ DetectorModel frontsOnly(const test::SyntheticWorld& world)
                       std::vector<ShapeModel>(world.objects().size(), {{}, {1.0, 1.0, 1.0, 1.0}}),
                       {},
                       cv::Mat(0, 128, CV_8U),
-                      ForegroundModel(cv::Mat::zeros(1, ForegroundModel::kBins, CV_8U)),
+                      ForegroundModel(cv::Mat::zeros(2, ForegroundModel::kBins, CV_32F)),
                       ObjectColourModel(cv::Mat::zeros(n, ForegroundModel::kBins, CV_8U)),
                       {}};
   const FeatureExtractor extractor(200);
@@ -28,7 +28,11 @@ DetectorModel frontsOnly(const test::SyntheticWorld& world)
     cv::Mat grey;
     cv::cvtColor(front, grey, cv::COLOR_BGR2GRAY);
     const Features features = extractor.extract(grey, {cv::Rect({}, grey.size())});
-    ViewModel view{i, front.size(), cv::Mat::zeros(1, kHistogramBins, CV_32F), features.keypoints,
+    ViewModel view{i,
+                   front.size(),
+                   cv::Mat::zeros(1, kHistogramBins, CV_32F),
+                   cv::Mat(kThumbnailSide, kThumbnailSide, CV_8UC4, cv::Scalar::all(255)),
+                   features.keypoints,
                    features.descriptors};
     for (cv::KeyPoint& keypoint : view.keypoints)
       keypoint.pt -=
@@ -62,6 +66,23 @@ TEST(ViewMatcher, FindsAKnownSimilarity)
   EXPECT_NEAR(match.box.x + match.box.width / 2.0, 200.0, 3.0);
   EXPECT_NEAR(match.box.y + match.box.height / 2.0, 150.0, 3.0);
   EXPECT_NEAR(match.box.width, 0.8 * 120.0, 5.0);
+}
+
+TEST(ViewMatcher, FindsAsManyInstancesAsThereMayBe)
+{
+  const test::SyntheticWorld world(2);
+  DetectorModel model = frontsOnly(world);
+  cv::Mat image(300, 500, CV_8UC3, cv::Scalar(200, 200, 200));
+  for (const int x : {40, 320})
+    world.front(0).copyTo(image(cv::Rect({x, 60}, world.front(0).size())));
+  cv::Mat grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  const Features features = FeatureExtractor(400).extract(grey, {cv::Rect({}, grey.size())});
+  EXPECT_EQ(ViewMatcher(model, 64).match(features).best.size(), 1U);
+  model.objects[0].max_in_image = 3;
+  const std::vector<ViewMatch> both = ViewMatcher(model, 64).match(features).best;
+  ASSERT_EQ(both.size(), 2U);
+  EXPECT_NEAR(std::abs(both[0].box.x - both[1].box.x), 280.0, 6.0);
 }
 
 TEST(ViewMatcher, FindsNothingInAnEmptyImage)

@@ -19,26 +19,28 @@ inline constexpr int kHistogramBins = 12 * 6 * 4;
 /// Bhattacharyya distance sqrt(1 - sum sqrt(a b)) of two histograms of the same shape, in [0, 1].
 [[nodiscard]] double bhattacharyya(const cv::Mat& a, const cv::Mat& b);
 
-/// Probability that a colour belongs to an object rather than to the building: a table over CIE
-/// L*a*b* space in 32 x 32 x 32 bins. A colour never seen in training counts as an object's.
+/// Tells pixels in colours of the objects from the rest: densities over CIE L*a*b* space in 32 x 32
+/// x 32 bins. What the building looks like is known half from training and half from the image
+/// itself, most of which is building: so rooms in colours that were never seen work, too.
 class ForegroundModel
 {
 public:
   static constexpr int kBinsPerAxis = 32;
   static constexpr int kBins = kBinsPerAxis * kBinsPerAxis * kBinsPerAxis;
 
-  /// @param probabilities  CV_8UC1, 1 x kBins: 255 P(object | colour), L slowest, b fastest
+  /// @param densities  CV_32FC1, 2 x kBins, L slowest, b fastest, not negative: P(colour | the
+  ///                   object that has most of it), and P(colour | building)
   /// @throws InvalidArgument  wrong type or shape
-  explicit ForegroundModel(cv::Mat probabilities);
+  explicit ForegroundModel(cv::Mat densities);
 
-  [[nodiscard]] const cv::Mat& probabilities() const { return probabilities_; }
+  [[nodiscard]] const cv::Mat& densities() const { return densities_; }
 
   /// @param lab  CV_8UC3, OpenCV's Lab
-  /// @return CV_8UC1: 255 where P(object | colour) exceeds one half, else 0
+  /// @return CV_8UC1: 255 where an object is likelier than the building by colour, else 0
   [[nodiscard]] cv::Mat segment(const cv::Mat& lab) const;
 
 private:
-  cv::Mat probabilities_;
+  cv::Mat densities_;
 };
 
 /// Probability of each object given a colour of the foreground: tells touching objects apart.

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -25,33 +27,40 @@ struct LabelledImage
   std::vector<Label> labels;
 };
 
-/// A folder of labelled images: `labels.json` (see the README) beside the images and, optionally,
-/// their masks.
+/// Larger images are made this large when they are read, their labels with them, px.
+inline constexpr int kMaxImageSide = 1280;
+
+/// A folder of labelled images in our own format, COCO's or YOLO's (see the README).
 class LabelledFolder
 {
 public:
   /// Reads the labels, not yet the images.
-  /// @throws Unavailable      no such folder or file
-  /// @throws InvalidArgument  labels that are malformed
-  explicit LabelledFolder(std::string path);
+  /// @throws Unavailable      no such folder, or no labels in it
+  /// @throws InvalidArgument  labels that are malformed; the message names file and entry
+  explicit LabelledFolder(const std::string& path);
 
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
+  /// The labels as read; boxes of YOLO's format are known only by image().
+  /// @throws InvalidArgument  index out of range
+  [[nodiscard]] const std::vector<Label>& labels(std::size_t index) const;
+
   /// Reads one image.
-  /// @throws InvalidArgument  index out of range, or a box outside the image
-  /// @throws Unavailable      the image cannot be read
+  /// @throws InvalidArgument  index out of range, a box outside the image, more than 100 megapixels
+  /// @throws Unavailable      the image or its mask cannot be read
   [[nodiscard]] LabelledImage image(std::size_t index) const;
 
-private:
-  struct Entry
-  {
-    std::string image;
-    std::string mask;
-    std::vector<Label> labels;
-  };
+  /// The images without every `every`-th one, and those.
+  /// @throws InvalidArgument  every < 2, or fewer images than that
+  [[nodiscard]] std::pair<LabelledFolder, LabelledFolder> split(std::size_t every) const;
 
-  std::string path_;
-  std::vector<Entry> entries_;
+private:
+  struct Entry;
+
+  explicit LabelledFolder(std::vector<std::shared_ptr<const Entry>> entries);
+  [[nodiscard]] const Entry& entry(std::size_t index) const;
+
+  std::vector<std::shared_ptr<const Entry>> entries_;  ///< shared by the parts of a split
 };
 
 /// The pixels of one label: from the mask where there is one, else the ellipse that its box

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "kr3_perception/detector_model.hpp"
+#include "kr3_perception/labelled_folder.hpp"
 
 namespace kr3::perception
 {
@@ -12,5 +13,8 @@ namespace kr3::perception
 /// @throws Unavailable      the file cannot be read
 /// @throws InvalidArgument  it is malformed; the message names file and object
 [[nodiscard]] std::vector<ObjectDescription> loadObjectList(const std::string& path);
+
+/// The objects that the labels name, by name: each is a class of its own, of unknown size.
+[[nodiscard]] std::vector<ObjectDescription> objectsOf(const std::vector<LabelledFolder>& folders);
 
 }  // namespace kr3::perception

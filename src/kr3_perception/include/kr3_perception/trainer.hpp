@@ -46,9 +46,9 @@ public:
 private:
   [[nodiscard]] DetectorModel learnLooks(const std::vector<LabelledFolder>& folders,
                                          const Progress& progress) const;
-  [[nodiscard]] std::vector<double> learnWeights(const DetectorModel& model,
-                                                 const std::vector<LabelledFolder>& folders,
-                                                 const Progress& progress) const;
+  [[nodiscard]] BoostedTrees learnClassifier(const DetectorModel& model,
+                                             const std::vector<LabelledFolder>& folders,
+                                             const Progress& progress) const;
 
   std::vector<ObjectDescription> objects_;
   TrainerOptions options_;

@@ -1,5 +1,9 @@
 #include "conversions.hpp"
 
+#include <cmath>
+
+#include <kr3_common/error.hpp>
+
 namespace kr3::perception
 {
 
@@ -27,11 +31,18 @@ std::optional<Intrinsics> fromMsg(const sensor_msgs::CameraInfo& info)
 {
   if (!(info.K[0] > 0.0 && info.K[4] > 0.0))
     return std::nullopt;
-  return Intrinsics{info.K[0],
+  Intrinsics camera{info.K[0],
                     info.K[4],
                     info.K[2],
                     info.K[5],
-                    {static_cast<int>(info.width), static_cast<int>(info.height)}};
+                    {static_cast<int>(info.width), static_cast<int>(info.height)},
+                    info.distortion_model == "equidistant" || info.distortion_model == "fisheye",
+                    info.D};
+  for (const double coefficient : info.D)
+    if (!std::isfinite(coefficient))
+      throw InvalidArgument("the camera's distortion has a coefficient that is not finite");
+  (void)normalisedRay({camera.cx, camera.cy}, camera);
+  return camera;
 }
 
 }  // namespace kr3::perception

@@ -16,8 +16,8 @@ namespace kr3::perception
 [[nodiscard]] kr3_msgs::Detection toMsg(const Detection& detection,
                                         const std::optional<cv::Point3d>& position);
 
-/// The pinhole part of a camera's calibration; nothing when the camera is not calibrated (K[0] =
-/// 0).
+/// A camera's calibration; nothing when the camera is not calibrated (K[0] = 0).
+/// @throws InvalidArgument  distortion coefficients that are not finite or of no known model
 [[nodiscard]] std::optional<Intrinsics> fromMsg(const sensor_msgs::CameraInfo& info);
 
 }  // namespace kr3::perception

@@ -29,10 +29,12 @@ DetectorNodeConfig loadDetectorNodeConfig(const ros::NodeHandle& private_nh)
   config.detector.min_probability = params.get("min_probability", config.detector.min_probability);
   config.detector.max_features = params.get("max_features", config.detector.max_features);
   config.detector.search_checks = params.get("search_checks", config.detector.search_checks);
+  config.detector.max_instances = params.get("max_instances", config.detector.max_instances);
   params.check(config.detector.min_probability >= 0.0 && config.detector.min_probability < 1.0,
                "min_probability", "must be in [0, 1)");
   params.check(config.detector.max_features > 0, "max_features", "must be > 0");
   params.check(config.detector.search_checks > 0, "search_checks", "must be > 0");
+  params.check(config.detector.max_instances >= 0, "max_instances", "must be >= 0");
   params.finish();
   return config;
 }
@@ -76,7 +78,16 @@ void DetectorNode::onListenersChanged()
 
 void DetectorNode::onCameraInfo(const sensor_msgs::CameraInfoConstPtr& info)
 {
-  camera_ = fromMsg(*info);
+  try
+  {
+    camera_ = fromMsg(*info);
+  }
+  catch (const InvalidArgument& e)
+  {
+    camera_.reset();
+    ROS_WARN_THROTTLE(5.0, "unusable calibration on %s: %s", camera_infos_.getTopic().c_str(),
+                      e.what());
+  }
   if (!waiting_)
     return;
   const sensor_msgs::ImageConstPtr image = waiting_;

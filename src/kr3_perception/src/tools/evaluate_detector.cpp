@@ -1,15 +1,17 @@
-// Prints how good a detector model is on labelled images that it has not seen.
+// Tells how good a detector model is on labelled images that it has not seen.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <map>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -17,87 +19,188 @@
 #include "kr3_perception/drawing.hpp"
 #include "kr3_perception/evaluation.hpp"
 #include "kr3_perception/model_file.hpp"
+#include "kr3_perception/reliability_diagram.hpp"
 
 namespace
 {
 
-void print(const std::string& name, const kr3::perception::ClassScore& score)
+using namespace kr3::perception;
+
+struct Options
 {
-  std::printf("%-16s precision %.3f  recall %.3f  (right %d, wrong %d, missed %d)\n", name.c_str(),
-              score.precision(), score.recall(), score.right, score.wrong, score.missed);
+  std::string model;
+  std::vector<std::string> folders;
+  std::string draw;
+  std::string diagram;
+  std::string json;
+  double threshold = 0.5;
+  int min_pixels = 250;
+  double match_overlap = 0.4;
+  DetectorOptions detector;
+};
+
+struct Result
+{
+  std::string name;
+  Evaluation evaluation;
+  std::vector<double> cpu_ms;  ///< per image, ascending
+
+  [[nodiscard]] double quantile(double share) const
+  {
+    return cpu_ms[std::min(cpu_ms.size() - 1,
+                           static_cast<std::size_t>(share * static_cast<double>(cpu_ms.size())))];
+  }
+};
+
+void write(const std::string& path, const cv::Mat& picture)
+{
+  if (!cv::imwrite(path, picture))
+    throw kr3::Unavailable("cannot write '" + path + "'");
+}
+
+Result evaluate(const Options& options, const Detector& detector, const std::string& path)
+{
+  std::map<std::string, std::string> class_of;
+  for (const ObjectDescription& object : detector.model().objects)
+    class_of[object.name] = object.class_name;
+  const std::string name = std::filesystem::path(path).lexically_normal().filename().string();
+  Result result{name, {options.threshold, options.min_pixels, options.match_overlap}, {}};
+  const LabelledFolder folder(path);
+  for (std::size_t i = 0; i < folder.size(); ++i)
+  {
+    LabelledImage image = folder.image(i);
+    const std::clock_t start = std::clock();  // CPU time: others may use the machine
+    const std::vector<Detection> detections = detector.detect(image.bgr);
+    result.cpu_ms.push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+    result.evaluation.add(detections, image.labels, class_of);
+    if (options.draw.empty())
+      continue;
+    std::vector<Detection> likely;
+    for (const Detection& detection : detections)
+      if (detection.probability >= options.threshold)
+        likely.push_back(detection);
+    draw(image.bgr, likely);
+    char number[32];
+    std::snprintf(number, sizeof number, "_%05zu.png", i);
+    write(options.draw + "/" + name + number, image.bgr);
+  }
+  std::sort(result.cpu_ms.begin(), result.cpu_ms.end());
+  return result;
+}
+
+void printScore(const std::string& name, const ClassScore& score)
+{
+  std::printf("  %-16s precision %.3f  recall %.3f  (right %d, wrong %d, missed %d)\n",
+              name.c_str(), score.precision(), score.recall(), score.right, score.wrong,
+              score.missed);
+}
+
+void print(const Result& result)
+{
+  std::printf("%s: %zu images\n", result.name.c_str(), result.cpu_ms.size());
+  for (const auto& [name, score] : result.evaluation.classes())
+    printScore(name, score);
+  printScore("all", result.evaluation.total());
+  std::printf("  Brier score %.4f\n  said -> right:", result.evaluation.brier());
+  for (const ReliabilityBin& bin : result.evaluation.reliability())
+    if (bin.detections > 0)
+      std::printf("  %.2f -> %.2f (%d)", bin.probability_sum / bin.detections,
+                  static_cast<double>(bin.right) / bin.detections, bin.detections);
+  std::printf("\n  CPU ms per frame: median %.1f, 95 %% %.1f\n", result.quantile(0.5),
+              result.quantile(0.95));
+}
+
+nlohmann::json toJson(const ClassScore& score)
+{
+  return {{"precision", score.precision()},
+          {"recall", score.recall()},
+          {"right", score.right},
+          {"wrong", score.wrong},
+          {"missed", score.missed}};
+}
+
+nlohmann::json toJson(const Result& result)
+{
+  nlohmann::json classes = nlohmann::json::object();
+  for (const auto& [name, score] : result.evaluation.classes())
+    classes[name] = toJson(score);
+  nlohmann::json reliability = nlohmann::json::array();
+  for (const ReliabilityBin& bin : result.evaluation.reliability())
+    reliability.push_back(
+        {{"detections", bin.detections},
+         {"right", bin.right},
+         {"mean_probability", bin.detections > 0 ? bin.probability_sum / bin.detections : 0.0}});
+  return {{"set", result.name},
+          {"images", result.cpu_ms.size()},
+          {"all", toJson(result.evaluation.total())},
+          {"classes", classes},
+          {"brier", result.evaluation.brier()},
+          {"reliability", reliability},
+          {"cpu_ms", {{"median", result.quantile(0.5)}, {"p95", result.quantile(0.95)}}}};
+}
+
+void run(const Options& options)
+{
+  const Detector detector(loadModel(options.model), options.detector);
+  if (!options.draw.empty())
+    std::filesystem::create_directories(options.draw);
+  if (!options.diagram.empty())
+    std::filesystem::create_directories(options.diagram);
+  nlohmann::json sets = nlohmann::json::array();
+  for (const std::string& path : options.folders)
+  {
+    const Result result = evaluate(options, detector, path);
+    print(result);
+    sets.push_back(toJson(result));
+    if (!options.diagram.empty())
+      write(options.diagram + "/reliability_" + result.name + ".png",
+            reliabilityDiagram(result.evaluation, result.name));
+  }
+  if (options.json.empty())
+    return;
+  std::ofstream file(options.json);
+  file << nlohmann::json{{"model", options.model},
+                         {"threshold", options.threshold},
+                         {"min_pixels", options.min_pixels},
+                         {"match_overlap", options.match_overlap},
+                         {"sets", sets}}
+              .dump(1)
+       << '\n';
+  if (!file.flush())
+    throw kr3::Unavailable("cannot write '" + options.json + "'");
 }
 
 }  // namespace
 
 int main(int argc, char** argv)
 {
-  std::string model_path;
-  std::vector<std::string> folder_paths;
-  std::string draw_to;
-  double threshold = 0.5;
-  int min_pixels = 250;
-  double match_overlap = 0.4;
-  kr3::perception::DetectorOptions options;
-  CLI::App app("Evaluate a detector model on labelled images.");
-  app.add_option("model", model_path, "model file")->required();
-  app.add_option("folders", folder_paths, "labelled folders")->required();
-  app.add_option("--threshold", threshold, "probability from which a detection counts")
+  Options options;
+  CLI::App app("Evaluate a detector model on labelled images, one folder after the other.");
+  app.add_option("model", options.model, "model file")->required();
+  app.add_option("folders", options.folders, "labelled folders")->required();
+  app.add_option("--threshold", options.threshold, "probability from which a detection counts")
       ->capture_default_str();
-  app.add_option("--min-pixels", min_pixels, "smaller objects do not count")->capture_default_str();
-  app.add_option("--overlap", match_overlap, "intersection over union that makes a detection right")
+  app.add_option("--min-pixels", options.min_pixels, "smaller objects do not count")
       ->capture_default_str();
-  app.add_option("--features", options.max_features, "local features per image")
+  app.add_option("--overlap", options.match_overlap,
+                 "intersection over union that makes a detection right")
       ->capture_default_str();
-  app.add_option("--checks", options.search_checks, "leaves visited per feature")
+  app.add_option("--features", options.detector.max_features, "local features per image")
       ->capture_default_str();
-  app.add_option("--draw", draw_to, "folder for pictures with detections");
+  app.add_option("--checks", options.detector.search_checks, "leaves visited per feature")
+      ->capture_default_str();
+  app.add_option("--instances", options.detector.max_instances,
+                 "of one object an image; 0: as many as training showed")
+      ->capture_default_str();
+  app.add_option("--draw", options.draw, "folder for pictures with detections");
+  app.add_option("--diagrams", options.diagram, "folder for reliability diagrams");
+  app.add_option("--json", options.json, "file for all figures");
   CLI11_PARSE(app, argc, argv);
-  options.min_probability = 0.05;
+  options.detector.min_probability = 0.0;  // the Brier score is over all detections
   cv::setNumThreads(1);
   try
   {
-    using Clock = std::chrono::steady_clock;
-    const kr3::perception::Detector detector(kr3::perception::loadModel(model_path), options);
-    kr3::perception::Evaluation evaluation(threshold, min_pixels, match_overlap);
-    std::map<std::string, std::string> class_of;
-    for (const kr3::perception::ObjectDescription& object : detector.model().objects)
-      class_of[object.name] = object.class_name;
-    std::vector<double> times_ms;
-    if (!draw_to.empty())
-      std::filesystem::create_directories(draw_to);
-    for (const std::string& folder_path : folder_paths)
-    {
-      const kr3::perception::LabelledFolder folder(folder_path);
-      for (std::size_t i = 0; i < folder.size(); ++i)
-      {
-        kr3::perception::LabelledImage image = folder.image(i);
-        const Clock::time_point start = Clock::now();
-        const std::vector<kr3::perception::Detection> detections = detector.detect(image.bgr);
-        times_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
-        evaluation.add(detections, image.labels, class_of);
-        if (draw_to.empty())
-          continue;
-        kr3::perception::draw(image.bgr, detections);
-        const std::string name = draw_to + "/" +
-                                 std::filesystem::path(folder_path).filename().string() + "_" +
-                                 std::filesystem::path(image.name).stem().string() + ".png";
-        if (!cv::imwrite(name, image.bgr))
-          throw kr3::Unavailable("cannot write '" + name + "'");
-      }
-    }
-    for (const auto& [name, score] : evaluation.classes())
-      print(name, score);
-    print("all", evaluation.total());
-    std::printf("Brier score %.4f\nreliability (probability said -> share right):",
-                evaluation.brier());
-    for (const kr3::perception::ReliabilityBin& bin : evaluation.reliability())
-      if (bin.detections > 0)
-        std::printf("  %.2f -> %.2f (%d)", bin.probability_sum / bin.detections,
-                    static_cast<double>(bin.right) / bin.detections, bin.detections);
-    std::sort(times_ms.begin(), times_ms.end());
-    if (!times_ms.empty())
-      std::printf("\nms per frame: median %.1f, 95 %% %.1f\n", times_ms[times_ms.size() / 2],
-                  times_ms[times_ms.size() * 95 / 100]);
+    run(options);
   }
   catch (const std::exception& e)
   {

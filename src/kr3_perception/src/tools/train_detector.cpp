@@ -34,9 +34,11 @@ int main(int argc, char** argv)
   kr3::perception::TrainerOptions options;
   CLI::App app("Learn object models from labelled images.");
   app.add_option("folders", looks, "labelled folders to learn looks from")->required();
-  app.add_option("--calibrate", calibration, "other labelled folders, to learn probabilities from")
-      ->required();
-  app.add_option("--objects", objects, "the domain's objects.yaml")->required();
+  app.add_option(
+      "--calibrate", calibration,
+      "other labelled folders, to learn probabilities from (default: every third image)");
+  app.add_option("--objects", objects,
+                 "the domain's objects.yaml (default: whatever the labels name, sizes unknown)");
   app.add_option("--out", out, "model file to write, such as perception.yml.gz")->required();
   app.add_option("--views", options.views_per_object, "views kept per object")
       ->capture_default_str();
@@ -50,15 +52,26 @@ int main(int argc, char** argv)
   cv::setNumThreads(1);
   try
   {
-    const kr3::perception::Trainer trainer(kr3::perception::loadObjectList(objects), options);
-    const kr3::perception::DetectorModel model =
-        trainer.train(open(looks), open(calibration),
-                      [](const std::string& line) { std::cout << line << std::endl; });
+    std::vector<kr3::perception::LabelledFolder> to_look_at = open(looks);
+    std::vector<kr3::perception::LabelledFolder> to_calibrate = open(calibration);
+    if (to_calibrate.empty())
+      for (kr3::perception::LabelledFolder& folder : to_look_at)
+      {
+        auto [most, some] = folder.split(3);
+        folder = std::move(most);
+        to_calibrate.push_back(std::move(some));
+      }
+    const kr3::perception::Trainer trainer(objects.empty()
+                                               ? kr3::perception::objectsOf(to_look_at)
+                                               : kr3::perception::loadObjectList(objects),
+                                           options);
+    const kr3::perception::DetectorModel model = trainer.train(
+        to_look_at, to_calibrate, [](const std::string& line) { std::cout << line << std::endl; });
     kr3::perception::saveModel(model, out);
     std::cout << "wrote " << out << ": " << model.objects.size() << " objects, "
               << model.views.size() << " views\n";
   }
-  catch (const kr3::Error& e)
+  catch (const std::exception& e)
   {
     std::cerr << "train_detector: " << e.what() << '\n';
     return EXIT_FAILURE;
