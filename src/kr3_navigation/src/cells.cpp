@@ -138,6 +138,13 @@ std::optional<Point> standIn(const Rectangle& cell, const CellOptions& options,
   return std::nullopt;
 }
 
+Point presentStand(const Cell& cell, const CellOptions& options, const PathPlanner& planner)
+{
+  if (planner.isInMainRegion(cell.stand))
+    return cell.stand;
+  return standIn(cell.rectangle, options, planner).value_or(cell.stand);
+}
+
 CellMap::CellMap(const std::vector<Place>& places, const CellOptions& options,
                  const PathPlanner& planner)
 {

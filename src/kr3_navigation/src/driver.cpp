@@ -143,6 +143,8 @@ Velocity Driver::step(const DriveInput& input)
 {
   const double period =
       last_time_s_ ? std::clamp(input.time_s - *last_time_s_, 0.0, kMaxPeriod) : 0.0;
+  if (last_time_s_ && input.time_s < *last_time_s_)  // the clock started again
+    blocked_since_s_ = nearest_time_s_ = input.time_s;
   last_time_s_ = input.time_s;
 
   if (phase_ == DrivePhase::kPlanning)

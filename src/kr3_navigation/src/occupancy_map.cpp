@@ -45,6 +45,117 @@ void checkOptions(const OccupancyMapOptions& options)
                           ", expected in (0, 0.5)");
 }
 
+/// What stands before the nodes of a binary file.
+struct BinaryHeader
+{
+  double resolution_m = 0.0;
+  std::size_t num_nodes = 0;
+  std::size_t data_begin = 0;  ///< index of the first byte of the nodes
+};
+
+/// Counts the nodes that a binary file's data describe.
+///
+/// Each inner node has two bits for each of eight children: unknown, one of two kinds of leaf, or
+/// inner; inner children follow depth first. Source: OctoMap's format, Hornung et al. (2013),
+/// Sec. 3.4.
+class NodeCounter
+{
+public:
+  NodeCounter(const std::string& bytes, std::size_t begin, std::string source)
+    : bytes_(bytes), next_(begin), source_(std::move(source))
+  {
+  }
+
+  /// @throws InvalidArgument  the data end too early, or nodes are nested too deeply
+  std::size_t count()
+  {
+    const std::size_t nodes = countInner(0);
+    if (next_ != bytes_.size())
+      fail(std::to_string(bytes_.size() - next_) + " bytes too many");
+    return nodes;
+  }
+
+private:
+  static constexpr int kMaxDepth = 16;
+
+  [[noreturn]] void fail(const std::string& problem) const
+  {
+    throw InvalidArgument(source_ + " is damaged at byte " + std::to_string(next_) + ": " +
+                          problem);
+  }
+
+  std::size_t countInner(int depth)
+  {
+    if (depth >= kMaxDepth)
+      fail("nodes below the finest level");
+    if (bytes_.size() - next_ < 2)
+      fail("the nodes end too early");
+    const unsigned int children =
+        static_cast<unsigned char>(bytes_[next_]) |
+        static_cast<unsigned int>(static_cast<unsigned char>(bytes_[next_ + 1])) << 8U;
+    next_ += 2;
+    std::size_t nodes = 1;
+    for (unsigned int child = 0; child < 8; ++child)
+    {
+      constexpr unsigned int kInner = 3;
+      const unsigned int kind = (children >> (2 * child)) & 3U;
+      if (kind == kInner)
+        nodes += countInner(depth + 1);
+      else if (kind != 0)
+        ++nodes;
+    }
+    return nodes;
+  }
+
+  const std::string& bytes_;
+  std::size_t next_;
+  std::string source_;
+};
+
+/// Reads the header and checks that the data are what it says: OctoMap itself trusts them, and
+/// recurses without end in a file that is cut off.
+/// @throws InvalidArgument  says what was found
+BinaryHeader checkedHeader(const std::string& bytes, const std::string& source)
+{
+  constexpr const char* kMagic = "# Octomap OcTree binary file";
+  if (bytes.compare(0, std::string(kMagic).size(), kMagic) != 0)
+    throw InvalidArgument(source + " is not a binary OctoMap file (.bt): it does not begin with '" +
+                          kMagic + "'");
+  BinaryHeader header;
+  std::istringstream lines(bytes);
+  std::string line;
+  std::string id;
+  int number = 0;
+  bool has_data = false;
+  while (!has_data && std::getline(lines, line))
+  {
+    ++number;
+    std::istringstream words(line);
+    std::string key;
+    words >> key;
+    const bool known = key.empty() || key[0] == '#' || (key == "id" && words >> id) ||
+                       (key == "size" && words >> header.num_nodes) ||
+                       (key == "res" && words >> header.resolution_m) || key == "data";
+    if (!known)
+      throw InvalidArgument(source + ":" + std::to_string(number) +
+                            ": expected id, size, res or data with a value, found '" +
+                            line.substr(0, 60) + "'");
+    has_data = key == "data";
+  }
+  if (!has_data || id != "OcTree")
+    throw InvalidArgument(source + ": expected a header with `id OcTree` and `data`, found id '" +
+                          id + "'");
+  if (!(header.resolution_m >= 0.001 && header.resolution_m <= 10.0))
+    throw InvalidArgument(source + ": the resolution is " + std::to_string(header.resolution_m) +
+                          " m, expected 0.001 to 10");
+  header.data_begin = static_cast<std::size_t>(lines.tellg());
+  const std::size_t nodes = NodeCounter(bytes, header.data_begin, source).count();
+  if (nodes != header.num_nodes)
+    throw InvalidArgument(source + ": the header says " + std::to_string(header.num_nodes) +
+                          " nodes, the data have " + std::to_string(nodes));
+  return header;
+}
+
 constexpr std::size_t kDropoutNeighbors = 2;
 constexpr double kMaxSurfaceGap = 1.0;  // m
 
@@ -146,6 +257,50 @@ OccupancyMap OccupancyMap::copy() const
   return OccupancyMap(std::make_unique<Impl>(impl_->tree));
 }
 
+OccupancyMap OccupancyMap::coarsened(double resolution_m) const
+{
+  constexpr double kRounding = 1e-9;
+  const octomap::OcTree& fine = impl_->tree;
+  unsigned int depth = fine.getTreeDepth();
+  double resolution = fine.getResolution();
+  while (depth > 1 && 2.0 * resolution <= resolution_m + kRounding)
+  {
+    resolution *= 2.0;
+    --depth;
+  }
+  if (depth == fine.getTreeDepth())
+    return copy();
+  OccupancyMapOptions options;
+  options.resolution_m = resolution;
+  auto impl = std::make_unique<Impl>(options);
+  octomap::OcTree& coarse = impl->tree;
+  coarse.setProbHit(fine.getProbHit());
+  coarse.setProbMiss(fine.getProbMiss());
+  // An inner node's occupancy is the greatest of its children's.
+  for (auto leaf = fine.begin_leafs(static_cast<unsigned char>(depth)), end = fine.end_leafs();
+       leaf != end; ++leaf)
+  {
+    const double half = leaf.getSize() / 2.0 - resolution / 2.0;
+    const auto count = static_cast<int>(std::lround(leaf.getSize() / resolution));
+    const auto at = [&](double center, int i) {
+      return static_cast<float>(center - half + i * resolution);
+    };
+    for (int x = 0; x < count; ++x)
+    {
+      for (int y = 0; y < count; ++y)
+      {
+        for (int z = 0; z < count; ++z)
+          coarse.setNodeValue(at(leaf.getX(), x), at(leaf.getY(), y), at(leaf.getZ(), z),
+                              leaf->getLogOdds(), true);
+      }
+    }
+  }
+  coarse.updateInnerOccupancy();
+  coarse.prune();
+  coarse.resetChangeDetection();
+  return OccupancyMap(std::move(impl));
+}
+
 OccupancyMap OccupancyMap::load(const std::filesystem::path& path,
                                 const OccupancyMapOptions& options)
 {
@@ -153,9 +308,14 @@ OccupancyMap OccupancyMap::load(const std::filesystem::path& path,
   std::ifstream file(path, std::ios::binary);
   if (!file)
     throw Unavailable("cannot open the map " + path.string());
+  std::ostringstream bytes;
+  bytes << file.rdbuf();
+  const BinaryHeader header = checkedHeader(bytes.str(), path.string());
   auto impl = std::make_unique<Impl>(options);
-  if (!impl->tree.readBinary(file) || impl->tree.size() == 0)
-    throw InvalidArgument(path.string() + " is not a binary OctoMap file (.bt)");
+  impl->tree.setResolution(header.resolution_m);
+  std::istringstream data(bytes.str().substr(header.data_begin));
+  if (!impl->tree.readBinaryData(data))
+    throw InternalError("OctoMap could not read the checked map " + path.string());
   impl->configure(options);
   return OccupancyMap(std::move(impl));
 }
@@ -236,6 +396,12 @@ OccupancyGrid OccupancyMap::project(double z_min_m, double z_max_m, const Rectan
   grid.geometry.width =
       static_cast<int>(std::ceil(extent.x_max / resolution - 1e-6)) - first_column;
   grid.geometry.height = static_cast<int>(std::ceil(extent.y_max / resolution - 1e-6)) - first_row;
+  constexpr double kMaxNodes = 1e8;
+  if (static_cast<double>(grid.geometry.width) * static_cast<double>(grid.geometry.height) >
+      kMaxNodes)
+    throw InvalidArgument("the map is " + std::to_string(extent.width()) + " m x " +
+                          std::to_string(extent.height()) + " m in nodes of " +
+                          std::to_string(resolution) + " m: more than 100 million");
   grid.nodes.assign(grid.geometry.size(), Occupancy::kUnknown);
   if (tree.size() == 0)
     return grid;

@@ -1,5 +1,6 @@
 #include "kr3_navigation/particle_filter.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <kr3_common/error.hpp>
@@ -9,7 +10,7 @@ namespace kr3::navigation
 
 ParticleFilter::ParticleFilter(DistanceField field, const ParticleFilterOptions& options,
                                std::uint64_t seed)
-  : field_(std::move(field)), options_(options), random_(seed)
+  : options_(options), random_(seed)
 {
   if (options_.num_particles < 1)
     throw InvalidArgument(std::to_string(options_.num_particles) +
@@ -18,7 +19,38 @@ ParticleFilter::ParticleFilter(DistanceField field, const ParticleFilterOptions&
     throw InvalidArgument("beam step " + std::to_string(options_.beam_step) +
                           ", expected at least 1");
   particles_.resize(static_cast<std::size_t>(options_.num_particles));
+  setField(std::move(field));
   reset(Pose{}, PoseSpread{});
+}
+
+void ParticleFilter::setField(DistanceField field)
+{
+  field_ = std::move(field);
+  const double exponent = -0.5 / (options_.hit_sigma_m * options_.hit_sigma_m);
+  log_likelihood_.resize(field_.distance_m.size());
+  std::transform(field_.distance_m.begin(), field_.distance_m.end(), log_likelihood_.begin(),
+                 [&](float distance_m) {
+    const auto d = static_cast<double>(distance_m);
+    return static_cast<float>(std::log(std::exp(exponent * d * d) + options_.random_hit));
+  });
+}
+
+double ParticleFilter::logLikelihood(Point p) const
+{
+  const GridGeometry& grid = field_.geometry;
+  const double u = (p.x - grid.origin.x) / grid.resolution_m - 0.5;
+  const double v = (p.y - grid.origin.y) / grid.resolution_m - 0.5;
+  if (!(u >= 0.0 && v >= 0.0 && u < grid.width - 1 && v < grid.height - 1))
+    return std::log(options_.random_hit);
+  const int column = static_cast<int>(u);
+  const int row = static_cast<int>(v);
+  const auto a = static_cast<float>(u - column);
+  const auto b = static_cast<float>(v - row);
+  const float* low = &log_likelihood_[static_cast<std::size_t>(row * grid.width + column)];
+  const float* high = low + grid.width;
+  const float below = low[0] + a * (low[1] - low[0]);
+  const float above = high[0] + a * (high[1] - high[0]);
+  return static_cast<double>(below + b * (above - below));
 }
 
 void ParticleFilter::reset(const Pose& mean, const PoseSpread& spread)
@@ -71,7 +103,6 @@ void ParticleFilter::update(const LaserScan& scan, const Pose& T_base_laser)
     return;
 
   const double far_m = 10.0 * options_.hit_sigma_m;
-  const double exponent = -0.5 / (options_.hit_sigma_m * options_.hit_sigma_m);
   std::vector<double> log_weights(particles_.size());
   for (std::size_t i = 0; i < particles_.size(); ++i)
   {
@@ -80,11 +111,8 @@ void ParticleFilter::update(const LaserScan& scan, const Pose& T_base_laser)
     const double s = std::sin(pose.yaw);
     double log_likelihood = 0.0;
     for (const Point& hit : hits)
-    {
-      const double d =
-          field_.at({pose.x + c * hit.x - s * hit.y, pose.y + s * hit.x + c * hit.y}, far_m);
-      log_likelihood += std::log(std::exp(exponent * d * d) + options_.random_hit);
-    }
+      log_likelihood +=
+          logLikelihood({pose.x + c * hit.x - s * hit.y, pose.y + s * hit.x + c * hit.y});
     log_weights[i] = std::log(particles_[i].weight) + options_.likelihood_power * log_likelihood;
   }
   const double best = *std::max_element(log_weights.begin(), log_weights.end());

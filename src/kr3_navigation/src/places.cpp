@@ -71,19 +71,63 @@ bool overlap(const Rectangle& a, const Rectangle& b)
          std::min(a.y_max, b.y_max) - std::max(a.y_min, b.y_min) > kTouch;
 }
 
-}  // namespace
-
-std::vector<Place> parsePlaces(const std::string& text, const std::string& source)
+YAML::Node parsed(const std::string& text, const std::string& source)
 {
-  YAML::Node root;
   try
   {
-    root = YAML::Load(text);
+    return YAML::Load(text);
   }
   catch (const YAML::ParserException& e)
   {
     fail(source, e.mark, e.msg);
   }
+}
+
+std::string textOf(const std::filesystem::path& path)
+{
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file)
+    throw Unavailable("cannot read the building file " + path.string());
+  return text.str();
+}
+
+Door doorOf(const YAML::Node& entry, const std::string& source, const std::vector<Place>& places)
+{
+  if (!entry.IsMap())
+    fail(source, entry.Mark(),
+         "a door must be written {between: [place, place], center: [x, y], width: ...}");
+  const YAML::Node between = entry["between"];
+  if (!between || !between.IsSequence() || between.size() != 2 || !between[0].IsScalar() ||
+      !between[1].IsScalar())
+    fail(source, between ? between.Mark() : entry.Mark(), "a door needs `between: [place, place]`");
+  for (const YAML::Node& name : between)
+  {
+    if (std::none_of(places.begin(), places.end(),
+                     [&](const Place& place) { return place.name == name.Scalar(); }))
+      fail(source, name.Mark(), "there is no place '" + name.Scalar() + "'");
+  }
+  const YAML::Node center = entry["center"];
+  if (!center || !center.IsSequence() || center.size() != 2)
+    fail(source, center ? center.Mark() : entry.Mark(), "a door needs `center: [x, y]`");
+  const YAML::Node width = entry["width"];
+  if (!width)
+    fail(source, entry.Mark(), "a door needs a `width` in metres");
+  const Door door{between[0].Scalar(),
+                  between[1].Scalar(),
+                  {numberOf(center[0], source), numberOf(center[1], source)},
+                  numberOf(width, source)};
+  if (!(door.width_m > 0.0))
+    fail(source, width.Mark(), "the width of a door must be greater than 0");
+  return door;
+}
+
+}  // namespace
+
+std::vector<Place> parsePlaces(const std::string& text, const std::string& source)
+{
+  const YAML::Node root = parsed(text, source);
   if (!root.IsMap() || !root["places"])
     fail(source, root.Mark(), "expected a section `places`");
   const YAML::Node list = root["places"];
@@ -113,14 +157,41 @@ std::vector<Place> parsePlaces(const std::string& text, const std::string& sourc
   return places;
 }
 
+Rectangle areaOf(const std::vector<Place>& places, double margin_m)
+{
+  Rectangle area = places.front().rectangle;
+  for (const Place& place : places)
+  {
+    area = {
+        std::min(area.x_min, place.rectangle.x_min), std::min(area.y_min, place.rectangle.y_min),
+        std::max(area.x_max, place.rectangle.x_max), std::max(area.y_max, place.rectangle.y_max)};
+  }
+  return area.shrunk(-margin_m);
+}
+
 std::vector<Place> loadPlaces(const std::filesystem::path& path)
 {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file)
-    throw Unavailable("cannot read the building file " + path.string());
-  return parsePlaces(text.str(), path.string());
+  return parsePlaces(textOf(path), path.string());
+}
+
+std::vector<Door> parseDoors(const std::string& text, const std::string& source,
+                             const std::vector<Place>& places)
+{
+  const YAML::Node root = parsed(text, source);
+  std::vector<Door> doors;
+  if (!root.IsMap() || !root["doors"])
+    return doors;
+  const YAML::Node list = root["doors"];
+  if (!list.IsSequence() && !list.IsNull())
+    fail(source, list.Mark(), "`doors` must be a list");
+  for (const YAML::Node& entry : list)
+    doors.push_back(doorOf(entry, source, places));
+  return doors;
+}
+
+std::vector<Door> loadDoors(const std::filesystem::path& path, const std::vector<Place>& places)
+{
+  return parseDoors(textOf(path), path.string(), places);
 }
 
 }  // namespace kr3::navigation

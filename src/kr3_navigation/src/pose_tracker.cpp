@@ -10,8 +10,8 @@ namespace
 constexpr double kMemory = 3.0;  // s
 constexpr double kJump =
     0.5;  // m between two odometry messages: no robot drives that far in between
-// Of the first pose: a floor, and a share of the way from where odometry was zero.
-constexpr PoseSpread kInitialSpread{0.10, 0.05};
+constexpr double kClockJitter = 1.0;  // s: a message that late is a new clock, not a late one
+// Of the first pose: a share of the way from where odometry was zero.
 constexpr double kDriftPosition = 0.03;      // m per m
 constexpr double kDriftYaw = 0.01;           // rad per m
 constexpr double kConfidentPosition = 0.10;  // m, standard deviation
@@ -20,21 +20,39 @@ constexpr double kConfidentFit = 0.30;       // m, mean distance of hits from th
 
 }  // namespace
 
-PoseTracker::PoseTracker(std::optional<ParticleFilter> filter, const Pose& T_map_odom)
-  : filter_(std::move(filter)), initial_T_map_odom_(T_map_odom), odometry_(kMemory), known_(kMemory)
+PoseTracker::PoseTracker(std::optional<ParticleFilter> filter, const Pose& T_map_odom,
+                         const PoseSpread& initial_spread)
+  : filter_(std::move(filter))
+  , initial_T_map_odom_(T_map_odom)
+  , initial_spread_(initial_spread)
+  , odometry_(kMemory)
+  , known_(kMemory)
 {
 }
 
-bool PoseTracker::addOdometry(double time_s, const Pose& T_odom_base)
+void PoseTracker::setGrowingField(DistanceField field)
+{
+  filter_->setField(std::move(field));
+  map_grows_ = true;
+}
+
+OdometryResult PoseTracker::addOdometry(double time_s, const Pose& T_odom_base)
 {
   const bool first = odometry_.empty();
+  const bool clock_restarted = !first && time_s < odometry_.latestTime() - kClockJitter;
   const bool jumped =
       !first && distance(odometry_.latest().position(), T_odom_base.position()) > kJump;
-  if (jumped)
+  const bool restarted = clock_restarted || jumped;
+  if (!first && !restarted && time_s <= odometry_.latestTime())
+    return OdometryResult::kStale;
+  if (restarted)
     odometry_.clear();
+  if (clock_restarted)
+    known_.clear();
   odometry_.add(time_s, T_odom_base);
-  if (!filter_ || !(first || jumped))
-    return !jumped;
+  const OdometryResult result = restarted ? OdometryResult::kRestarted : OdometryResult::kTaken;
+  if (!filter_ || !(first || restarted))
+    return result;
   if (requested_start_)
   {
     const Start start = *requested_start_;
@@ -43,10 +61,11 @@ bool PoseTracker::addOdometry(double time_s, const Pose& T_odom_base)
   else
   {
     const double driven_m = std::hypot(T_odom_base.x, T_odom_base.y);
-    reset(initial_T_map_odom_ * T_odom_base, {kInitialSpread.position_m + kDriftPosition * driven_m,
-                                              kInitialSpread.yaw_rad + kDriftYaw * driven_m});
+    reset(initial_T_map_odom_ * T_odom_base,
+          {initial_spread_.position_m + kDriftPosition * driven_m,
+           initial_spread_.yaw_rad + kDriftYaw * driven_m});
   }
-  return !jumped;
+  return result;
 }
 
 void PoseTracker::reset(const Pose& T_map_base, const PoseSpread& spread)
@@ -104,7 +123,7 @@ bool PoseTracker::isConfident() const
   const PoseEstimate& estimate = filter_->estimate();
   return std::sqrt(std::max(estimate.covariance[0], estimate.covariance[4])) < kConfidentPosition &&
          std::sqrt(estimate.covariance[8]) < kConfidentYaw &&
-         estimate.mean_hit_distance_m < kConfidentFit;
+         (map_grows_ || estimate.mean_hit_distance_m < kConfidentFit);
 }
 
 double PoseTracker::probabilityIn(const Rectangle& area) const

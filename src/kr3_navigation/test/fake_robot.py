@@ -106,6 +106,7 @@ class FakeRobot:
             scan = LaserScan()
             scan.header.stamp, scan.header.frame_id = stamp, "laser"
             scan.angle_increment = 2.0 * math.pi / BEAMS
+            scan.angle_max = scan.angle_increment * (BEAMS - 1)
             scan.range_min, scan.range_max = 0.1, 12.0
             angles = self.yaw + scan.angle_increment * np.arange(BEAMS)
             scan.ranges = cast(self.x, self.y, angles) + self._noise.normal(0.0, 0.01, BEAMS)

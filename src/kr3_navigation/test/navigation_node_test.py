@@ -19,6 +19,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from kr3_msgs.msg import CellArray, ExecuteSkillAction, ExecuteSkillGoal, Status
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import OccupancyGrid
+from sensor_msgs.msg import LaserScan
 from std_msgs.msg import UInt8MultiArray
 from std_srvs.srv import Trigger
 
@@ -132,6 +133,44 @@ class NavigationNodeTest(unittest.TestCase):
             self.assertEqual(state, GoalStatus.ABORTED)
             self.assertIn("unreachable", text)
             self.assertIn(why, text)
+
+    def test_refuses_poses_that_are_none(self):
+        for value in (math.nan, math.inf):
+            state, text = self.run_move_base(self.pose_goal(value, 1.0, 0.0))
+            self.assertEqual(state, GoalStatus.ABORTED)
+            self.assertIn("finite", text)
+        before = rospy.wait_for_message("pose", PoseWithCovarianceStamped, timeout=ANSWER)
+        publisher = rospy.Publisher("initialpose", PoseWithCovarianceStamped, queue_size=10)
+        self.assertTrue(wait_until(lambda: publisher.get_num_connections() > 0))
+        for frame, x, w in (
+            ("map", math.nan, 1.0),
+            ("map", 1e6, 1.0),
+            ("map", 1.0, 0.0),
+            ("odom", 1.0, 1.0),
+        ):
+            message = PoseWithCovarianceStamped()
+            message.header.frame_id = frame
+            message.pose.pose.position.x, message.pose.pose.position.y = x, 1.0
+            message.pose.pose.orientation.w = w
+            publisher.publish(message)
+        message.header.frame_id = "map"
+        message.pose.covariance = [math.nan] * 36
+        publisher.publish(message)
+        for _ in range(5):
+            after = rospy.wait_for_message("pose", PoseWithCovarianceStamped, timeout=ANSWER)
+        self.assertLess(abs(after.pose.pose.position.x - before.pose.pose.position.x), 0.1)
+        self.assertLess(abs(after.pose.pose.position.y - before.pose.pose.position.y), 0.1)
+
+    def test_survives_scans_of_nonsense(self):
+        publisher = rospy.Publisher("scan", LaserScan, queue_size=10)
+        self.assertTrue(wait_until(lambda: publisher.get_num_connections() > 0))
+        for frame in ("laser", "nowhere"):
+            for ranges in ([], [math.nan] * 360, [-1.0] * 360, [1.0] * 5, [math.inf] * 200000):
+                scan = LaserScan(angle_max=6.27, angle_increment=0.017466, range_max=12.0)
+                scan.header.stamp, scan.header.frame_id = rospy.Time.now(), frame
+                scan.ranges = ranges
+                publisher.publish(scan)
+        self.assertEqual(self.run_skill("left_c3").outcome, "reached")
 
     def test_cancel_stops_the_wheels(self):
         self.move_to.send_goal(self.skill(self.far_cell()))

@@ -182,6 +182,66 @@ TEST(OccupancyMap, RefusesWhatIsNoMap)
   EXPECT_THROW(OccupancyMap({0.1, 0.4, 0.45}), InvalidArgument);
 }
 
+TEST(OccupancyMap, RefusesDamagedFiles)
+{
+  const std::filesystem::path path = temporaryFile("damaged.bt");
+  mapTwoRooms().save(path);
+  std::ifstream in(path, std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  const auto load = [&](const std::string& bytes) {
+    std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+    return OccupancyMap::load(path, OccupancyMapOptions{}).numLeaves();
+  };
+  EXPECT_GT(load(whole), 100U);
+  for (std::size_t length = 0; length < whole.size(); length += 37)
+    EXPECT_THROW((void)load(whole.substr(0, length)), InvalidArgument) << length << " bytes";
+  EXPECT_THROW((void)load(whole + "x"), InvalidArgument);
+  // Every file of flipped bits is either refused, or as good a map as any.
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 300; ++i)
+  {
+    std::string flipped = whole;
+    flipped[random() % flipped.size()] ^= static_cast<char>(1 + random() % 255);
+    try
+    {
+      EXPECT_GT(load(flipped), 0U);
+    }
+    catch (const InvalidArgument& e)
+    {
+      EXPECT_NE(std::string(e.what()).find(path.string()), std::string::npos) << e.what();
+    }
+  }
+  const std::string nested(400, static_cast<char>(-1));
+  EXPECT_THROW(
+      (void)load("# Octomap OcTree binary file\nid OcTree\nsize 9\nres 0.1\ndata\n" + nested),
+      InvalidArgument);
+  std::filesystem::remove(path);
+}
+
+TEST(OccupancyMap, ACoarseMapIsOccupiedWhereAPartOfItIs)
+{
+  std::mt19937_64 random(1);
+  OccupancyMapOptions options;
+  options.resolution_m = 0.05;
+  OccupancyMap fine(options);
+  for (double x = 0.5; x < 7.5; x += 0.2)
+    fine.insertScan(SyntheticWorld::twoRooms().scan({x, 2.0, 0.0}, random), {x, 2.0, 0.0}, kHeight,
+                    kRange);
+  const OccupancyMap coarse = fine.coarsened(0.1);
+  EXPECT_NEAR(coarse.resolution(), 0.1, 1e-12);
+  EXPECT_NEAR(fine.coarsened(0.09).resolution(), 0.05, 1e-12);
+  const OccupancyGrid is = fine.project(0.2, 0.4, kTwoRoomsArea);
+  const OccupancyGrid coarse_grid = coarse.project(0.2, 0.4, kTwoRoomsArea);
+  for (std::size_t node = 0; node < is.nodes.size(); ++node)
+  {
+    const Point p = is.geometry.center(static_cast<int>(node));
+    const Occupancy part = is.nodes[node];
+    const Occupancy all =
+        coarse_grid.nodes[static_cast<std::size_t>(coarse_grid.geometry.index(p))];
+    EXPECT_GE(all, part) << p.x << ", " << p.y;  // unknown < free < occupied
+  }
+}
+
 TEST(OccupancyMap, SaysWhenItCannotBeWritten)
 {
   EXPECT_THROW(mapTwoRooms().save("/nowhere/at/all/map.bt"), Unavailable);

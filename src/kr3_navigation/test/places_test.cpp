@@ -60,6 +60,34 @@ TEST(Places, NamesTheLineOfAnError)
   expect("places:\n  - {name: office, rectangle: [0, 0\n", "", "");
 }
 
+TEST(Places, ReadsDoors)
+{
+  const std::vector<Place> places{{"a", {0, 0, 4, 4}}, {"b", {4, 0, 8, 4}}};
+  const std::vector<Door> doors =
+      parseDoors("doors:\n  - {between: [a, b], center: [4, 2], width: 0.9}\n", "x.yaml", places);
+  ASSERT_EQ(doors.size(), 1U);
+  EXPECT_EQ(doors[0].place_b, "b");
+  EXPECT_EQ(doors[0].center.x, 4.0);
+  EXPECT_EQ(doors[0].width_m, 0.9);
+  EXPECT_TRUE(parseDoors("places: []\n", "x.yaml", places).empty());
+  for (const char* wrong :
+       {"doors: 3\n", "doors:\n  - {between: [a, c], center: [4, 2], width: 1}\n",
+        "doors:\n  - {between: [a], center: [4, 2], width: 1}\n",
+        "doors:\n  - {between: [a, b], center: [4, .nan], width: 1}\n",
+        "doors:\n  - {between: [a, b], center: [4, 2], width: -1}\n", "doors:\n  - 7\n"})
+  {
+    try
+    {
+      (void)parseDoors(wrong, "x.yaml", places);
+      ADD_FAILURE() << wrong;
+    }
+    catch (const InvalidArgument& e)
+    {
+      EXPECT_EQ(std::string(e.what()).rfind("x.yaml:", 0), 0U) << e.what();
+    }
+  }
+}
+
 TEST(Places, SaysWhenTheFileIsMissing)
 {
   EXPECT_THROW((void)loadPlaces("/nowhere/building.yaml"), Unavailable);

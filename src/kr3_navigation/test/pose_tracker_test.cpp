@@ -22,7 +22,7 @@ TEST(PoseTracker, HasNoPoseBeforeOdometry)
   PoseTracker tracker(twoRoomsFilter(), kStart);
   EXPECT_FALSE(tracker.hasPose());
   EXPECT_FALSE(tracker.isReadyFor(0.0));
-  EXPECT_TRUE(tracker.addOdometry(1.0, {}));
+  EXPECT_EQ(tracker.addOdometry(1.0, {}), OdometryResult::kTaken);
   ASSERT_TRUE(tracker.hasPose());
   EXPECT_NEAR(tracker.pose().x, kStart.x, 1e-12);
   EXPECT_TRUE(tracker.isReadyFor(1.0));
@@ -52,7 +52,7 @@ TEST(PoseTracker, StartsAgainWhenOdometryJumps)
 {
   PoseTracker tracker(twoRoomsFilter(), kStart);
   tracker.addOdometry(1.0, {3.0, 0.0, 0.0});
-  EXPECT_FALSE(tracker.addOdometry(1.02, {0.0, 0.0, 0.0}));
+  EXPECT_EQ(tracker.addOdometry(1.02, {0.0, 0.0, 0.0}), OdometryResult::kRestarted);
   EXPECT_NEAR(tracker.pose().x, kStart.x, 1e-12);
   EXPECT_NEAR(tracker.pose().y, kStart.y, 1e-12);
 }

@@ -66,4 +66,9 @@ private:
 [[nodiscard]] std::optional<Point> standIn(const Rectangle& cell, const CellOptions& options,
                                            const PathPlanner& planner);
 
+/// The cell's stand point while it can be reached, else another point of the cell, for something
+/// may stand there today; the stand point again when there is none.
+[[nodiscard]] Point presentStand(const Cell& cell, const CellOptions& options,
+                                 const PathPlanner& planner);
+
 }  // namespace kr3::navigation

@@ -35,6 +35,11 @@ struct LaserScan
   }
 };
 
+/// @throws InvalidArgument  angles or limits of range are not finite, no beam or more than 100 000,
+/// an angle step of 0, or beams over more than a full turn. Single ranges may be anything: what is
+/// no hit is ignored.
+void check(const LaserScan& scan);
+
 /// Where the laser sits on the robot.
 struct LaserMount
 {

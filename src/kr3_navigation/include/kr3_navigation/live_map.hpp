@@ -14,6 +14,8 @@ struct LiveMapOptions
   double z_max_m = 0.60;
   double revision_range_m = 4.0;  ///< of scans that revise a given map
   double mapping_range_m = 8.0;   ///< of scans that build a new one
+  /// Of a given map as it is revised and planned in; localisation refers to the finer original.
+  double planning_resolution_m = 0.1;
   PathPlannerOptions planner;
 };
 
@@ -29,6 +31,7 @@ public:
   /// @param area   what the grid covers at least
   LiveMap(OccupancyMap map, bool given, const Rectangle& area, const LiveMapOptions& options);
 
+  /// Takes a scan into account, unless it was taken farther from the area than a scan reaches.
   void insertScan(const LaserScan& scan, const Pose& T_map_laser, double height_m);
 
   /// Brings grid and planner up to date.
@@ -43,7 +46,11 @@ public:
   [[nodiscard]] const OccupancyMap& map() const { return map_; }
   [[nodiscard]] const OccupancyGrid& grid() const { return grid_; }
   [[nodiscard]] const PathPlanner& planner() const { return *planner_; }
-  /// Distances to the obstacles of the given map; only for a given one.
+  /// Whether a finished map is revised, rather than a new one built.
+  [[nodiscard]] bool isGiven() const { return given_.has_value(); }
+  /// The planner of the given map as it was given; only with isGiven(). Cost: a projection.
+  [[nodiscard]] PathPlanner givenPlanner() const;
+  /// Distances to the obstacles of the given map; only with isGiven().
   [[nodiscard]] const DistanceField& reference() const { return *reference_; }
 
 private:

@@ -32,7 +32,7 @@ public:
 
   /// @param path  a binary OctoMap file (`.bt`)
   /// @throws Unavailable      the file cannot be opened
-  /// @throws InvalidArgument  it is not a binary OctoMap
+  /// @throws InvalidArgument  it is not a binary OctoMap, or damaged: says where and how
   [[nodiscard]] static OccupancyMap load(const std::filesystem::path& path,
                                          const OccupancyMapOptions& options);
 
@@ -41,6 +41,10 @@ public:
   ~OccupancyMap();
 
   [[nodiscard]] OccupancyMap copy() const;
+
+  /// The same map with nodes twice as large as often as they stay within `resolution_m`; a node is
+  /// occupied where a part of it is, else free where a part of it is.
+  [[nodiscard]] OccupancyMap coarsened(double resolution_m) const;
 
   /// Adds what a scan shows: nodes hit are more likely occupied, nodes passed are more likely free.
   ///

@@ -46,6 +46,8 @@ public:
   [[nodiscard]] std::vector<double> distancesFrom(Point start) const;
 
   [[nodiscard]] const GridGeometry& geometry() const { return field_.geometry; }
+  /// Distances to the nearest occupied node.
+  [[nodiscard]] const DistanceField& field() const { return field_; }
   /// Whether the robot's centre may be in the node that holds p.
   [[nodiscard]] bool isFree(Point p) const;
   [[nodiscard]] bool isFree(int node) const { return free_[static_cast<std::size_t>(node)] != 0; }

@@ -8,6 +8,14 @@
 namespace kr3::navigation
 {
 
+/// What became of an odometry message.
+enum class OdometryResult
+{
+  kTaken,
+  kStale,      ///< not newer than the last one: ignored
+  kRestarted,  ///< it jumped, or its time went back: localisation starts again at the initial pose
+};
+
 /// Where the robot is in the map: odometry, corrected at every scan by a particle filter or by
 /// known poses. Not thread-safe.
 class PoseTracker
@@ -15,14 +23,19 @@ class PoseTracker
 public:
   /// @param filter   localises; without one, poses come from addKnownPose()
   /// @param T_map_odom  where the robot was in the map when its odometry was zero: so a node that
-  /// starts again while
-  ///                    the robot is under way finds it
-  PoseTracker(std::optional<ParticleFilter> filter, const Pose& T_map_odom);
+  /// starts again while the robot is under way finds it
+  /// @param initial_spread  how well that is known; drift on the way so far is added
+  PoseTracker(std::optional<ParticleFilter> filter, const Pose& T_map_odom,
+              const PoseSpread& initial_spread = {0.10, 0.05});
 
-  /// @return false when odometry jumped (the robot was put elsewhere, or it started again): the
-  /// pose was then reset
-  ///         to the initial one
-  bool addOdometry(double time_s, const Pose& T_odom_base);
+  /// Localises in a map that grows: how well scans fit it then says nothing about the pose.
+  void setGrowingField(DistanceField field);
+  /// Whether poses come from a particle filter.
+  [[nodiscard]] bool localises() const { return filter_.has_value(); }
+
+  /// A jump (the robot was put elsewhere, or its odometry started again) and a time that goes back
+  /// by more than a second (the clock started again) reset the pose to the initial one.
+  OdometryResult addOdometry(double time_s, const Pose& T_odom_base);
   /// The true pose of the robot, while a map is built with known poses.
   void addKnownPose(double time_s, const Pose& T_map_base) { known_.add(time_s, T_map_base); }
 
@@ -63,6 +76,8 @@ private:
 
   std::optional<ParticleFilter> filter_;
   Pose initial_T_map_odom_;
+  PoseSpread initial_spread_;
+  bool map_grows_ = false;
   std::optional<Start> requested_start_;
   PoseHistory odometry_;
   PoseHistory known_;

@@ -58,11 +58,20 @@ Pose fromMsg(const geometry_msgs::Pose& message)
 LaserScan fromMsg(const sensor_msgs::LaserScan& message)
 {
   const auto increment = static_cast<double>(message.angle_increment);
-  if (message.ranges.empty() || !std::isfinite(increment) || increment == 0.0)
-    throw InvalidArgument("a scan without beams or with an angle step of " +
-                          std::to_string(increment));
-  return {static_cast<double>(message.angle_min), increment, static_cast<double>(message.range_min),
-          static_cast<double>(message.range_max), message.ranges};
+  const double beams =
+      (static_cast<double>(message.angle_max) - static_cast<double>(message.angle_min)) /
+          increment +
+      1.0;
+  // Drivers disagree on whether angle_max is the last beam or the one after it.
+  constexpr double kTolerance = 1.5;
+  if (!(std::abs(beams - static_cast<double>(message.ranges.size())) <= kTolerance))
+    throw InvalidArgument(std::to_string(message.ranges.size()) + " ranges, but angles for " +
+                          std::to_string(beams) + " beams");
+  LaserScan scan{static_cast<double>(message.angle_min), increment,
+                 static_cast<double>(message.range_min), static_cast<double>(message.range_max),
+                 message.ranges};
+  check(scan);
+  return scan;
 }
 
 geometry_msgs::Pose toMsg(const Pose& pose)

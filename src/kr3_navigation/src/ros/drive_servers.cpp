@@ -80,11 +80,7 @@ void DriveServers::onMoveToGoal()
 
 Point DriveServers::chooseStand() const
 {
-  const Cell& target = context_.cells().cells()[target_cell_];
-  if (context_.planner().isInMainRegion(target.stand))
-    return target.stand;
-  // Something stands on the usual point today; another point of the cell serves as well.
-  return standIn(target.rectangle, cell_options_, context_.planner()).value_or(target.stand);
+  return presentStand(context_.cells().cells()[target_cell_], cell_options_, context_.planner());
 }
 
 std::size_t DriveServers::parseMoveTo(const kr3_msgs::ExecuteSkillGoal& goal) const
@@ -152,6 +148,8 @@ void DriveServers::tick(const DriveInput& input)
 {
   if (client_ == Client::kNone)
     return;
+  if (input.time_s < start_time_s_)  // the clock started again
+    start_time_s_ = feedback_time_s_ = input.time_s;
   if (input.time_s - start_time_s_ > time_limit_s_)
   {
     driver_.cancel();
@@ -195,7 +193,10 @@ void DriveServers::publishFeedback(const DriveInput& input)
 
 void DriveServers::finish()
 {
-  const std::string failure = driver_.phase() == DrivePhase::kUnreachable ? driver_.reason() : "";
+  const std::string failure =
+      driver_.phase() == DrivePhase::kUnreachable
+          ? context_.why_unreachable(driver_.goal().position, driver_.reason())
+          : "";
   if (!failure.empty())
     ROS_WARN("unreachable: %s", failure.c_str());
   const Client client = client_;
@@ -219,7 +220,7 @@ void DriveServers::finishMoveTo(const std::string& failure)
   kr3_msgs::ExecuteSkillResult result = moveToResult();
   if (!failure.empty())
     result.outcome = "unreachable";
-  move_to_.setSucceeded(result, failure);
+  move_to_.setSucceeded(result, failure.empty() ? failure : "unreachable: " + failure);
 }
 
 void DriveServers::finishAtTimeLimit()

@@ -24,6 +24,8 @@ struct DriveContext
   std::function<const CellMap&()> cells;
   std::function<const PathPlanner&()> planner;
   std::function<void(const Velocity&)> command;  ///< to the wheels
+  /// Navigator::whyUnreachable() for a goal and the driver's reason.
+  std::function<std::string(Point, const std::string&)> why_unreachable;
 };
 
 /// The actions `move_base` and `skills/move_to` on one driver: a new goal of either preempts the

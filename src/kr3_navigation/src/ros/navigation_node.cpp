@@ -15,41 +15,35 @@ namespace kr3::navigation
 namespace
 {
 
-constexpr double kGridMargin = 0.2;    // m around the places
-constexpr double kRevisePeriod = 0.5;  // s
-constexpr double kScanTimeout = 0.6;   // s: without scans the robot does not move
-constexpr std::size_t kMaxPending = 5;
-
-Rectangle areaOf(const std::vector<Place>& places)
-{
-  Rectangle area = places.front().rectangle;
-  for (const Place& place : places)
-  {
-    area = {
-        std::min(area.x_min, place.rectangle.x_min), std::min(area.y_min, place.rectangle.y_min),
-        std::max(area.x_max, place.rectangle.x_max), std::max(area.y_max, place.rectangle.y_max)};
-  }
-  return area.shrunk(-kGridMargin);
-}
+constexpr double kGridMargin = 0.2;  // m around the places
+constexpr std::uint32_t kScanQueue = 5;
+constexpr PoseSpread kFrameSpread{0.005, 0.002};
 
 LiveMap makeLiveMap(const NavigationNodeConfig& config, const std::vector<Place>& places)
 {
-  if (config.pose_source == PoseSource::kGroundTruth)
-    return {OccupancyMap(config.occupancy), false, areaOf(places), config.live_map};
+  if (config.pose_source != PoseSource::kLocalisation)
+    return {OccupancyMap(config.occupancy), false, areaOf(places, kGridMargin), config.live_map};
   if (!std::filesystem::exists(config.map))
     throw Unavailable(
         "the map " + config.map.string() + " does not exist; build it with `./kr3 map " +
         std::filesystem::absolute(config.building).parent_path().filename().string() + "`");
-  return {OccupancyMap::load(config.map, config.occupancy), true, areaOf(places), config.live_map};
+  return {OccupancyMap::load(config.map, config.occupancy), true, areaOf(places, kGridMargin),
+          config.live_map};
 }
 
-PoseTracker makeTracker(const NavigationNodeConfig& config, const LiveMap& map)
+Navigator makeNavigator(const NavigationNodeConfig& config, const std::vector<Place>& places)
 {
+  LiveMap map = makeLiveMap(config, places);
+  NavigatorOptions options;
+  options.control_period_s = config.control_period_s;
   if (config.pose_source == PoseSource::kGroundTruth)
-    return {std::nullopt, Pose{}};
-  return {ParticleFilter(map.reference(), config.particle_filter,
-                         static_cast<std::uint64_t>(config.seed)),
-          config.initial_pose};
+    return {std::move(map), PoseTracker(std::nullopt, Pose{}), options};
+  const bool maps = config.pose_source == PoseSource::kMapping;
+  ParticleFilter filter(maps ? map.planner().field() : map.reference(), config.particle_filter,
+                        static_cast<std::uint64_t>(config.seed));
+  // A robot that maps on its own says where the frame is.
+  const PoseSpread spread = maps ? kFrameSpread : PoseSpread{};
+  return {std::move(map), PoseTracker(std::move(filter), config.initial_pose, spread), options};
 }
 
 double smoothed(double before, double now)
@@ -62,8 +56,8 @@ double smoothed(double before, double now)
 NavigationNode::NavigationNode(const NavigationNodeConfig& config)
   : config_(config)
   , places_(loadPlaces(config.building))
-  , live_map_(makeLiveMap(config, places_))
-  , tracker_(makeTracker(config, live_map_))
+  , doors_(loadDoors(config.building, places_))
+  , navigator_(makeNavigator(config, places_))
 {
   ros::NodeHandle nh;
   constexpr bool kLatched = true;
@@ -78,15 +72,18 @@ NavigationNode::NavigationNode(const NavigationNodeConfig& config)
   tf_publisher_ = nh.advertise<tf2_msgs::TFMessage>(names::kTf, 100);
   if (config_.pose_source == PoseSource::kGroundTruth)
     ROS_WARN("poses come from the simulator's ground truth: for building the map only");
-  makeCells(live_map_.planner());
+  makeCells(navigator_.map().planner());
   publishMap(0.0);
 
-  servers_.emplace(nh, config_.driver, config_.cells, config_.map_frame, config_.drive_time_limit_s,
-                   DriveContext{tracker_, [this]() -> const CellMap& { return *cells_; },
-                                [this]() -> const PathPlanner& { return live_map_.planner(); },
-                                [this](const Velocity& velocity) {
-    cmd_vel_publisher_.publish(toMsg(velocity));
-                                }});
+  servers_.emplace(
+      nh, config_.driver, config_.cells, config_.map_frame, config_.drive_time_limit_s,
+      DriveContext{
+          navigator_.tracker(), [this]() -> const CellMap& { return *cells_; },
+          [this]() -> const PathPlanner& { return navigator_.map().planner(); },
+          [this](const Velocity& velocity) { cmd_vel_publisher_.publish(toMsg(velocity)); },
+          [this](Point goal, const std::string& reason) {
+    return navigator_.whyUnreachable(goal, reason, places_, doors_);
+          }});
   save_map_server_ = nh.advertiseService(names::kSaveMap, &NavigationNode::onSaveMap, this);
   diagnostics_.setHardwareID("none");
   diagnostics_.add("navigation", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -99,7 +96,7 @@ NavigationNode::NavigationNode(const NavigationNodeConfig& config)
       nh.subscribe(names::kTfStatic, 100, &NavigationNode::onStaticTransforms, this));
   subscribers_.push_back(nh.subscribe(names::kOdom, 200, &NavigationNode::onOdometry, this, fast));
   subscribers_.push_back(
-      nh.subscribe(names::kScan, kMaxPending, &NavigationNode::onScan, this, fast));
+      nh.subscribe(names::kScan, kScanQueue, &NavigationNode::onScan, this, fast));
   subscribers_.push_back(
       nh.subscribe(names::kInitialPose, 1, &NavigationNode::onInitialPose, this));
   if (config_.pose_source == PoseSource::kGroundTruth)
@@ -153,61 +150,54 @@ void NavigationNode::onScan(const sensor_msgs::LaserScan& message)
   const std::optional<LaserMount> mount = mountOf(message.header.frame_id);
   if (!mount)
     return;
+  const double start_s = ros::WallTime::now().toSec();
   try
   {
-    pending_.push_back({message.header.stamp.toSec(), fromMsg(message), *mount});
+    navigator_.addScan(message.header.stamp.toSec(), fromMsg(message), *mount);
   }
   catch (const InvalidArgument& e)
   {
     ROS_WARN_THROTTLE(5.0, "scan ignored: %s", e.what());
     return;
   }
-  if (pending_.size() > kMaxPending)
-  {
-    pending_.pop_front();
-    ++load_.dropped_scans;
-  }
-  processScans();
+  publishEstimates(start_s);
 }
 
 void NavigationNode::onGroundTruth(const nav_msgs::Odometry& message)
 {
+  const double start_s = ros::WallTime::now().toSec();
   try
   {
-    tracker_.addKnownPose(message.header.stamp.toSec(), fromMsg(message.pose.pose));
+    navigator_.addKnownPose(message.header.stamp.toSec(), fromMsg(message.pose.pose));
   }
   catch (const InvalidArgument& e)
   {
     ROS_WARN_THROTTLE(5.0, "ground truth ignored: %s", e.what());
+    return;
   }
-  processScans();
+  publishEstimates(start_s);
 }
 
 void NavigationNode::onOdometry(const nav_msgs::Odometry& message)
 {
-  const double time_s = message.header.stamp.toSec();
+  const double start_s = ros::WallTime::now().toSec();
   try
   {
-    if (!tracker_.addOdometry(time_s, fromMsg(message.pose.pose)))
-    {
-      ROS_WARN("odometry jumped: localisation starts again at the initial pose");
-      pending_.clear();
-      obstacles_odom_.clear();
-      scan_time_s_.reset();
-    }
+    const OdometryResult result =
+        navigator_.addOdometry(message.header.stamp.toSec(), fromMsg(message.pose.pose));
+    if (result == OdometryResult::kRestarted)
+      ROS_WARN(
+          "odometry jumped or its time went back: localisation starts again at the initial "
+          "pose");
   }
   catch (const InvalidArgument& e)
   {
     ROS_WARN_THROTTLE(5.0, "odometry ignored: %s", e.what());
     return;
   }
-  processScans();
-  if (!control_time_s_ || time_s < *control_time_s_ ||
-      time_s - *control_time_s_ >= config_.control_period_s - 1e-6)
-  {
-    control_time_s_ = time_s;
-    control(time_s);
-  }
+  publishEstimates(start_s);
+  if (navigator_.takeControlTurn())
+    control();
 }
 
 void NavigationNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStamped& message)
@@ -222,9 +212,9 @@ void NavigationNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStampe
   {
     const auto& covariance = message.pose.covariance;
     const PoseSpread least;
-    tracker_.reset(fromMsg(message.pose.pose),
-                   {std::max(least.position_m, std::sqrt(std::max(covariance[0], covariance[7]))),
-                    std::max(least.yaw_rad, std::sqrt(std::max(0.0, covariance[35])))});
+    navigator_.reset(fromMsg(message.pose.pose),
+                     {std::max(least.position_m, std::sqrt(std::max(covariance[0], covariance[7]))),
+                      std::max(least.yaw_rad, std::sqrt(std::max(0.0, covariance[35])))});
     ROS_INFO("localisation starts again at (%.2f, %.2f)", message.pose.pose.position.x,
              message.pose.pose.position.y);
   }
@@ -234,79 +224,40 @@ void NavigationNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStampe
   }
 }
 
-void NavigationNode::processScans()
+void NavigationNode::publishEstimates(double start_s)
 {
-  // A scan waits until odometry of its own moment has arrived.
-  while (!pending_.empty() && tracker_.isReadyFor(pending_.front().time_s))
+  const std::vector<StampedEstimate> estimates = navigator_.takeEstimates();
+  if (estimates.empty())
+    return;
+  const double per_scan_s =
+      (ros::WallTime::now().toSec() - start_s) / static_cast<double>(estimates.size());
+  for (const StampedEstimate& stamped : estimates)
   {
-    const PendingScan pending = std::move(pending_.front());
-    pending_.pop_front();
-    const ros::WallTime start = ros::WallTime::now();
-    processScan(pending);
-    load_.scan_ms = smoothed(load_.scan_ms, 1e3 * (ros::WallTime::now() - start).toSec());
-    load_.scan_age_s =
-        smoothed(load_.scan_age_s, tracker_.odometry().latestTime() - pending.time_s);
+    load_.scan_ms = smoothed(load_.scan_ms, 1e3 * per_scan_s);
+    load_.scan_age_s = smoothed(load_.scan_age_s, navigator_.tracker().poseTime() - stamped.time_s);
     ++load_.scans;
+    pose_publisher_.publish(toMsg(stamped.estimate, mapHeader(stamped.time_s)));
   }
 }
 
-void NavigationNode::processScan(const PendingScan& pending)
+void NavigationNode::control()
 {
-  const std::optional<Pose> pose =
-      tracker_.correct(pending.time_s, pending.scan, pending.mount.T_base_laser);
-  if (!pose)
-  {
-    ++load_.dropped_scans;
-    return;
-  }
-  const Pose T_odom_base = inverse(tracker_.correction()) * *pose;
-  obstacles_odom_ = hitPoints(pending.scan, T_odom_base * pending.mount.T_base_laser);
-  scan_time_s_ = pending.time_s;
-  PoseEstimate estimate = tracker_.estimate();
-  estimate.mean = *pose;
-  pose_publisher_.publish(toMsg(estimate, mapHeader(pending.time_s)));
-
-  if (!tracker_.isConfident())
-    return;
-  live_map_.insertScan(pending.scan, *pose * pending.mount.T_base_laser, pending.mount.height_m);
-  if (revise_time_s_ && pending.time_s >= *revise_time_s_ &&
-      pending.time_s - *revise_time_s_ < kRevisePeriod)
-    return;
-  revise_time_s_ = pending.time_s;
-  if (live_map_.revise())
-    map_changed_for_driver_ = map_changed_for_others_ = true;
-}
-
-void NavigationNode::control(double time_s)
-{
-  if (!tracker_.hasPose())
-    return;
+  const double time_s = navigator_.tracker().poseTime();
   publishCorrection(time_s);
-  if (!scan_time_s_ || time_s - *scan_time_s_ > kScanTimeout)
+  if (const std::optional<DriveInput> input = navigator_.driveInput(servers_->driver().isActive()))
   {
-    if (servers_->driver().isActive())
-      ROS_WARN_THROTTLE(5.0, "the robot waits: no scan for %.1f s", kScanTimeout);
-    servers_->hold();
-  }
-  else
-  {
-    const Pose T_base_odom = inverse(tracker_.odometry().latest());
-    std::vector<Point> obstacles_base;
-    if (servers_->driver().isActive())
-    {
-      obstacles_base.reserve(obstacles_odom_.size());
-      for (const Point& p_odom : obstacles_odom_)
-        obstacles_base.push_back(T_base_odom * p_odom);
-    }
-    servers_->tick(
-        {time_s, tracker_.pose(), live_map_.planner(), obstacles_base, map_changed_for_driver_});
-    map_changed_for_driver_ = false;
+    servers_->tick(*input);
     if (servers_->takeFreshMapRequest())
     {
       ROS_INFO("no path: obstacles seen earlier are forgotten, and looked for again");
-      live_map_.forgetRevisions();
-      map_changed_for_driver_ = map_changed_for_others_ = true;
+      navigator_.forgetRevisions();
     }
+  }
+  else
+  {
+    if (servers_->driver().isActive())
+      ROS_WARN_THROTTLE(5.0, "the robot waits for scans");
+    servers_->hold();
   }
   publishPath();
   if (!publish_time_s_ || time_s < *publish_time_s_ ||
@@ -318,7 +269,8 @@ void NavigationNode::publishCorrection(double time_s)
 {
   std_msgs::Header header = mapHeader(time_s);
   tf2_msgs::TFMessage message;
-  message.transforms.push_back(toTransformMsg(tracker_.correction(), header, config_.odom_frame));
+  message.transforms.push_back(
+      toTransformMsg(navigator_.tracker().correction(), header, config_.odom_frame));
   tf_publisher_.publish(message);
 }
 
@@ -328,17 +280,16 @@ void NavigationNode::publishPath()
   if (driver.numPlans() == published_plans_)
     return;
   published_plans_ = driver.numPlans();
-  path_publisher_.publish(toMsg(driver.path(), mapHeader(tracker_.poseTime())));
+  path_publisher_.publish(toMsg(driver.path(), mapHeader(navigator_.tracker().poseTime())));
 }
 
 void NavigationNode::publishMap(double time_s)
 {
   publish_time_s_ = time_s;
-  if (!map_changed_for_others_)
+  if (!navigator_.takeMapChange())
     return;
-  map_changed_for_others_ = false;
-  map_publisher_.publish(toMsg(live_map_.grid(), mapHeader(time_s)));
-  octomap_publisher_.publish(toMsg(live_map_.map().toBinary()));
+  map_publisher_.publish(toMsg(navigator_.map().grid(), mapHeader(time_s)));
+  octomap_publisher_.publish(toMsg(navigator_.map().map().toBinary()));
 }
 
 void NavigationNode::makeCells(const PathPlanner& planner)
@@ -361,17 +312,17 @@ bool NavigationNode::onSaveMap(std_srvs::Trigger::Request& /*request*/,
   {
     if (config_.map_out.empty())
       throw FailedPrecondition("the parameter map_out is not set");
-    live_map_.map().save(config_.map_out);
+    navigator_.map().map().save(config_.map_out);
     response.success = 1;
     response.message = "saved " + config_.map_out.string();
     ROS_INFO("%s", response.message.c_str());
-    if (config_.pose_source == PoseSource::kGroundTruth)
+    if (config_.pose_source != PoseSource::kLocalisation)
     {
       // What was never seen is not free for those who will use this map.
       PathPlannerOptions finished = config_.live_map.planner;
       finished.unknown_is_free = false;
-      (void)live_map_.revise();
-      makeCells(PathPlanner(live_map_.grid(), finished));
+      navigator_.reviseMap();
+      makeCells(PathPlanner(navigator_.map().grid(), finished));
     }
   }
   catch (const Error& e)
@@ -386,20 +337,21 @@ bool NavigationNode::onSaveMap(std_srvs::Trigger::Request& /*request*/,
 void NavigationNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const
 {
   using diagnostic_msgs::DiagnosticStatus;
-  if (!tracker_.hasPose() || !scan_time_s_)
+  if (!navigator_.tracker().hasPose() || !navigator_.hasScan())
     status.summary(DiagnosticStatus::WARN, "waiting for odometry and scans");
-  else if (!tracker_.isConfident())
+  else if (!navigator_.tracker().isConfident())
     status.summary(DiagnosticStatus::WARN, "the pose is uncertain");
   else
     status.summary(DiagnosticStatus::OK, toString(servers_->driver().phase()));
-  const PoseEstimate estimate = tracker_.hasPose() ? tracker_.estimate() : PoseEstimate{};
+  const PoseEstimate estimate =
+      navigator_.tracker().hasPose() ? navigator_.tracker().estimate() : PoseEstimate{};
   status.add("position deviation (m)", std::sqrt(estimate.covariance[0] + estimate.covariance[4]));
   status.add("mean distance of hits from the map (m)", estimate.mean_hit_distance_m);
   status.add("scans processed", load_.scans);
-  status.add("scans dropped", load_.dropped_scans);
+  status.add("scans dropped", navigator_.droppedScans());
   status.add("time per scan (ms)", load_.scan_ms);
   status.add("age of a scan when processed (simulated s)", load_.scan_age_s);
-  status.add("map leaves", live_map_.map().numLeaves());
+  status.add("map leaves", navigator_.map().map().numLeaves());
 }
 
 }  // namespace kr3::navigation

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <deque>
 #include <optional>
 #include <vector>
 
@@ -16,8 +15,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "drive_servers.hpp"
-#include "kr3_navigation/live_map.hpp"
-#include "kr3_navigation/pose_tracker.hpp"
+#include "kr3_navigation/navigator.hpp"
 #include "navigation_node_config.hpp"
 
 namespace kr3::navigation
@@ -35,13 +33,6 @@ public:
   void stop();
 
 private:
-  struct PendingScan
-  {
-    double time_s;
-    LaserScan scan;
-    LaserMount mount;
-  };
-
   void onOdometry(const nav_msgs::Odometry& message);
   void onGroundTruth(const nav_msgs::Odometry& message);
   void onScan(const sensor_msgs::LaserScan& message);
@@ -51,9 +42,8 @@ private:
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   [[nodiscard]] std::optional<LaserMount> mountOf(const std::string& laser_frame) const;
-  void processScans();
-  void processScan(const PendingScan& pending);
-  void control(double time_s);
+  void publishEstimates(double start_s);
+  void control();
   void makeCells(const PathPlanner& planner);
   void publishMap(double time_s);
   void publishPath();
@@ -62,26 +52,17 @@ private:
 
   NavigationNodeConfig config_;
   std::vector<Place> places_;
-  LiveMap live_map_;
+  std::vector<Door> doors_;
+  Navigator navigator_;
   std::optional<CellMap> cells_;
-  PoseTracker tracker_;
   tf2::BufferCore static_transforms_;
-
-  std::deque<PendingScan> pending_;
-  std::vector<Point> obstacles_odom_;  ///< hits of the latest scan
-  std::optional<double> scan_time_s_;  ///< of that scan
-  std::optional<double> control_time_s_;
-  std::optional<double> revise_time_s_;
   std::optional<double> publish_time_s_;
-  bool map_changed_for_driver_ = false;
-  bool map_changed_for_others_ = true;
   int published_plans_ = 0;
   struct Load
   {
     double scan_ms = 0.0;     ///< wall time of the last scan's processing, smoothed
     double scan_age_s = 0.0;  ///< simulated time between a scan and its processing, smoothed
     long scans = 0;
-    long dropped_scans = 0;
   } load_;
 
   diagnostic_updater::Updater diagnostics_;

@@ -18,10 +18,12 @@ void readPositive(ParamReader& params, const std::string& name, double& value, d
 void readPose(ParamReader& params, NavigationNodeConfig& config)
 {
   const std::string source = params.get<std::string>("pose_source", "localisation");
-  params.check(source == "localisation" || source == "ground_truth", "pose_source",
-               "must be 'localisation' or 'ground_truth', not '" + source + "'");
-  config.pose_source =
-      source == "ground_truth" ? PoseSource::kGroundTruth : PoseSource::kLocalisation;
+  params.check(source == "localisation" || source == "ground_truth" || source == "mapping",
+               "pose_source",
+               "must be 'localisation', 'ground_truth' or 'mapping', not '" + source + "'");
+  config.pose_source = source == "ground_truth" ? PoseSource::kGroundTruth
+                       : source == "mapping"    ? PoseSource::kMapping
+                                                : PoseSource::kLocalisation;
   const auto initial = params.get("initial_pose", std::vector<double>{});
   params.check(initial.empty() || initial.size() == 3, "initial_pose",
                "must be [] or [x, y, yaw] in m and rad, found " + std::to_string(initial.size()) +
@@ -34,8 +36,8 @@ void readMap(ParamReader& params, NavigationNodeConfig& config)
 {
   config.building = params.require<std::string>("building");
   config.map = params.get<std::string>("map", "");
-  params.check(config.pose_source == PoseSource::kGroundTruth || !config.map.empty(), "map",
-               "must name an OctoMap file (.bt) unless pose_source is 'ground_truth'");
+  params.check(config.pose_source != PoseSource::kLocalisation || !config.map.empty(), "map",
+               "must name an OctoMap file (.bt) when pose_source is 'localisation'");
   config.map_out = params.get<std::string>("map_out", "");
   readPositive(params, "map_resolution", config.occupancy.resolution_m, 1.0);
   readPositive(params, "map_publish_period", config.map_publish_period_s, 3600.0);
@@ -56,7 +58,7 @@ void readDriving(ParamReader& params, NavigationNodeConfig& config)
   double safety_margin_m = 0.06;
   readPositive(params, "safety_margin", safety_margin_m, 5.0);
   config.live_map.planner.inflation_radius_m = driver.robot_radius_m + safety_margin_m;
-  config.live_map.planner.unknown_is_free = config.pose_source == PoseSource::kGroundTruth;
+  config.live_map.planner.unknown_is_free = config.pose_source != PoseSource::kLocalisation;
   readPositive(params, "stop_distance", driver.stop_distance_m, 5.0);
   readPositive(params, "max_linear_speed", driver.limits.max_linear, 5.0);
   readPositive(params, "max_angular_speed", driver.limits.max_angular, 10.0);

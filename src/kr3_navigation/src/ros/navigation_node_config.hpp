@@ -17,6 +17,7 @@ enum class PoseSource
 {
   kLocalisation,  ///< particle filter against a given map
   kGroundTruth,   ///< the simulator's pose, while the map is built
+  kMapping,       ///< particle filter against the map that is being built
 };
 
 /// The parameters of navigation_node; README.md has the table.
