@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measure a part of KR3 against its goals: bench.sh {reasoner | pomdp | coupling} [--quick] [--json FILE]
+# Measure a part of KR3 against its goals: bench.sh {reasoner | pomdp | coupling | robot} [--quick] [--json FILE]
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -25,7 +25,12 @@ case "$part" in
     enter_workspace
     exec /usr/bin/python3 -B "$root/src/kr3_executive/bench/bench_coupling.py" --programs "$workspace/devel/lib" "$@"
     ;;
+  robot)
+    case " $* " in *" --help "* | *" -h "*) ;; *) build_workspace ;; esac
+    enter_workspace
+    exec /usr/bin/python3 -B "$root/src/kr3_experiments/bench/bench_robot.py" --programs "$workspace/devel/lib" "$@"
+    ;;
   *)
-    fail "unknown benchmark '$part', expected: reasoner, pomdp or coupling"
+    fail "unknown benchmark '$part', expected: reasoner, pomdp, coupling or robot"
     ;;
 esac

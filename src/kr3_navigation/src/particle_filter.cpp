@@ -182,6 +182,11 @@ void ParticleFilter::summarise()
         covariance[3 * row + column] += particle.weight * deviation[row] * deviation[column];
     }
   }
+  // The nodes of the map round its walls: an error that all beams share and no particle shows.
+  constexpr double kMapError = 0.1;  // of the resolution, standard deviation
+  const double map_variance = std::pow(kMapError * field_.geometry.resolution_m, 2.0);
+  covariance[0] += map_variance;
+  covariance[4] += map_variance;
   estimate_.mean = mean;
   estimate_.covariance = covariance;
 }

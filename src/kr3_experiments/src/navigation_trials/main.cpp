@@ -51,6 +51,12 @@ double mean(double sum, long count)
   return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
+double median(std::vector<double> values)
+{
+  std::sort(values.begin(), values.end());
+  return values.empty() ? 0.0 : values[values.size() / 2];
+}
+
 nlohmann::json toJson(const PoseErrors& errors)
 {
   return {{"scans", errors.scans},
@@ -134,8 +140,6 @@ int runDrives(Arguments& arguments)
     if (arguments.verbose || !trial.succeeded())
       print(trial);
   }
-  std::sort(ratios.begin(), ratios.end());
-  const double median = ratios.empty() ? 0.0 : ratios[ratios.size() / 2];
   std::printf("%d of %d drives as they should be, %u contacts\n", succeeded, arguments.runs,
               contacts);
   std::printf("pose error %.2f cm mean, %.1f cm maximum; heading %.2f deg mean, %.1f deg maximum\n",
@@ -145,7 +149,7 @@ int runDrives(Arguments& arguments)
   std::printf("stated deviation %.2f cm, normalised squared error %.2f (2 = honest)\n",
               100.0 * mean(errors.sum_deviation_m, errors.scans),
               mean(errors.sum_squared_normalised, errors.scans));
-  std::printf("time against the straight optimum: median %.2f\n", median);
+  std::printf("time against the straight optimum: median %.2f\n", median(ratios));
   std::printf(
       "%.0f simulated s; CPU: simulator %.1f s, navigation %.1f s (%.2f ms a scan, all "
       "included)\n",
@@ -154,12 +158,25 @@ int runDrives(Arguments& arguments)
                          {"succeeded", succeeded},
                          {"contacts", contacts},
                          {"errors", toJson(errors)},
-                         {"time_ratio_median", median},
+                         {"time_ratio_median", median(ratios)},
                          {"simulated_s", simulated_s},
                          {"simulator_cpu_s", simulator_cpu_s},
                          {"navigation_cpu_s", navigation_cpu_s},
                          {"failures", failures}});
   return succeeded == arguments.runs ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+int runCosts(const Arguments& arguments)
+{
+  const Site site = loadSite(arguments.building, arguments.objects);
+  const auto map = navigation::OccupancyMap::load(arguments.map, arguments.robot.occupancy);
+  const ScanCosts costs =
+      measureScanCosts(site, map, arguments.robot, arguments.runs, arguments.seed);
+  std::printf("CPU per scan, median of %d: insertion %.3f ms, localisation %.3f ms\n",
+              arguments.runs, median(costs.insertion_ms), median(costs.localisation_ms));
+  write(arguments.json, {{"insertion_ms", median(costs.insertion_ms)},
+                         {"localisation_ms", median(costs.localisation_ms)}});
+  return EXIT_SUCCESS;
 }
 
 void addCommon(CLI::App& command, Arguments& arguments)
@@ -196,6 +213,9 @@ int main(int argc, char** argv)
   CLI::App* map = app.add_subcommand("map", "drive through every cell and write the map");
   addCommon(*map, arguments);
   map->add_flag("--own-poses", arguments.own_poses, "localise in the growing map");
+  CLI::App* costs = app.add_subcommand("costs", "time what is done with every scan");
+  addCommon(*costs, arguments);
+  costs->add_option("--runs", arguments.runs, "number of scans")->check(CLI::PositiveNumber);
   CLI::App* drive = app.add_subcommand("drive", "drive from cells to others, drawn by the seed");
   addCommon(*drive, arguments);
   drive->add_option("--runs", arguments.runs, "number of drives")->check(CLI::PositiveNumber);
@@ -213,7 +233,9 @@ int main(int argc, char** argv)
   CLI11_PARSE(app, argc, argv);
   try
   {
-    return map->parsed() ? runMap(arguments) : runDrives(arguments);
+    if (map->parsed())
+      return runMap(arguments);
+    return drive->parsed() ? runDrives(arguments) : runCosts(arguments);
   }
   catch (const std::exception& e)
   {

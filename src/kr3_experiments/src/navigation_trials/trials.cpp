@@ -122,10 +122,11 @@ bool connected(const sim::Building& building, const std::string& from, const std
 /// Where the robot starts in a cell: its stand point, or near it where something stands.
 Point startIn(const Cell& cell, const sim::Building& building, std::mt19937_64& random)
 {
+  const sim::Obstacles obstacles(building);
   Point start = cell.stand;
   for (int draw = 0; draw < kDraws; ++draw)
   {
-    if (sim::floorClearance(building, start.x, start.y) >= kRobotClearance)
+    if (obstacles.clearance(start.x, start.y, 2.0 * kRobotClearance) >= kRobotClearance)
       return start;
     start = {uniform(random, cell.rectangle.x_min, cell.rectangle.x_max),
              uniform(random, cell.rectangle.y_min, cell.rectangle.y_max)};
@@ -207,6 +208,40 @@ MappingReport buildMap(const Site& site, const RobotOptions& options, bool own_p
   report.time_s = robot.time();
   report.map = robot.navigator().map().map().copy();
   return report;
+}
+
+ScanCosts measureScanCosts(const Site& site, const OccupancyMap& map, const RobotOptions& options,
+                           int num_scans, std::uint64_t seed)
+{
+  const LiveMap live_map(map.copy(), true, areaOf(site.places, kGridMargin), options.live_map);
+  const std::unique_ptr<sim::World> world = sim::makeWorld(scenarioOf(site, options, seed));
+  OccupancyMap growing(options.occupancy);
+  ParticleFilter filter(live_map.reference(), options.filter, seed);
+  std::mt19937_64 random(seed);
+  ScanCosts costs;
+  for (int number = 0; number < num_scans; ++number)
+  {
+    const std::string& place = site.places[random() % site.places.size()].name;
+    const sim::Pose2 pose = sim::freeFloorPose(site.building, place, kRobotClearance, random);
+    world->setRobotPose(pose);
+    const std::vector<double> ranges = world->scan();
+    const LaserScan scan{-M_PI,
+                         2.0 * M_PI / static_cast<double>(ranges.size()),
+                         options.world.laser.min_range_m,
+                         options.world.laser.max_range_m,
+                         {ranges.begin(), ranges.end()}};
+    const Pose truth{pose.x, pose.y, pose.yaw};
+    double start_s = cpuSeconds();
+    growing.insertScan(scan, truth, options.world.robot.T_base_laser.position.z,
+                       options.live_map.mapping_range_m);
+    costs.insertion_ms.push_back(1e3 * (cpuSeconds() - start_s));
+    filter.reset(truth, PoseSpread{});
+    start_s = cpuSeconds();
+    filter.predict({0.05, 0.0, 0.02});
+    filter.update(scan, Pose{});
+    costs.localisation_ms.push_back(1e3 * (cpuSeconds() - start_s));
+  }
+  return costs;
 }
 
 bool DriveTrial::succeeded() const

@@ -86,6 +86,18 @@ struct DriveTrial
                                     const RobotOptions& robot, const DriveTrialOptions& options,
                                     int run);
 
+/// CPU time of the parts of navigation that run at every scan, ms, one entry for each scan.
+struct ScanCosts
+{
+  std::vector<double> insertion_ms;     ///< into an empty map that grows
+  std::vector<double> localisation_ms;  ///< prediction, update and summary of the filter
+};
+
+/// Takes `num_scans` scans at random free points of the building and times what is done with them.
+[[nodiscard]] ScanCosts measureScanCosts(const Site& site, const navigation::OccupancyMap& map,
+                                         const RobotOptions& options, int num_scans,
+                                         std::uint64_t seed);
+
 /// Length of the shortest way for the robot's centre, cut straight where that is free; +inf when
 /// there is none.
 [[nodiscard]] double shortestLength(const navigation::OccupancyGrid& grid,

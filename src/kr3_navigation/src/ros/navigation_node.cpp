@@ -211,9 +211,13 @@ void NavigationNode::onInitialPose(const geometry_msgs::PoseWithCovarianceStampe
   try
   {
     const auto& covariance = message.pose.covariance;
+    const double variance = std::max(covariance[0], covariance[7]);
+    if (!std::isfinite(covariance[0]) || !std::isfinite(covariance[7]) ||
+        !std::isfinite(covariance[35]))
+      throw InvalidArgument("the covariance is not finite");
     const PoseSpread least;
     navigator_.reset(fromMsg(message.pose.pose),
-                     {std::max(least.position_m, std::sqrt(std::max(covariance[0], covariance[7]))),
+                     {std::max(least.position_m, std::sqrt(std::max(0.0, variance))),
                       std::max(least.yaw_rad, std::sqrt(std::max(0.0, covariance[35])))});
     ROS_INFO("localisation starts again at (%.2f, %.2f)", message.pose.pose.position.x,
              message.pose.pose.position.y);
