@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,8 +20,9 @@ class ActionModelReader
 {
 public:
   /// @param action  with the names of its parameters, as the file gives them
+  /// @param domain  nullptr: components are not of the classes of their wholes
   ActionModelReader(YamlFile& file, const reasoner::Description& description,
-                    reasoner::Atom action);
+                    const LowLevelDomain* domain, reasoner::Atom action);
 
   /// @param key  the action's name in the file; its line stands for what is missing
   [[nodiscard]] ActionModel read(const YAML::Node& key, const YAML::Node& node);
@@ -30,21 +33,44 @@ private:
   [[nodiscard]] std::vector<std::string> labels() const;
   [[nodiscard]] std::vector<const reasoner::ObservationLaw*> observationLaws() const;
 
+  // count_reader.cpp
   ModelSource readSource(const std::string& what, const YAML::Node& node, const Counts& counts);
   Counts readCounts(const std::string& what, const YAML::Node& node,
                     const std::vector<std::string>& keys);
-  void readOutcomes(const YAML::Node& key, const YAML::Node& node, ActionModel& model);
-  void checkSum(const YAML::Node& node, const OutcomeModel& model);
+  std::optional<double> readPrior(const std::string& what, const YAML::Node& node,
+                                  const Counts& counts);
+  void compareCounts(const std::string& what, const YAML::Node& node, const OutcomeModel& model);
+  /// How likely the counts make it, or nothing when the probability fits them.
+  static std::optional<double> contradicted(double probability, std::uint64_t count,
+                                            std::uint64_t total, std::size_t values,
+                                            std::optional<double> prior);
+  void compare(const std::string& what, const YAML::Node& node, double probability,
+               std::uint64_t count, std::uint64_t total, std::optional<double> prior);
+
+  OutcomeModel readOutcomes(const std::string& what, const YAML::Node& key, const YAML::Node& node);
+  void checkSum(const std::string& what, const YAML::Node& node, const OutcomeModel& model);
+  [[nodiscard]] std::vector<std::string> observedFluents() const;
+  [[nodiscard]] bool tellsValue(const std::string& fluent) const;
   void readObservations(const YAML::Node& key, const YAML::Node& node, ActionModel& model);
   ObservationModel readObservation(const std::string& what, const YAML::Node& node,
                                    bool tells_value);
-  void compare(const std::string& what, const YAML::Node& node, double probability,
-               std::uint64_t count, std::uint64_t total);
-  void readCost(const YAML::Node& key, const YAML::Node& node, CostModel& cost);
+
+  // cost_model_reader.cpp
+  CostModel readCost(const YAML::Node& key, const YAML::Node& node);
+  void readDuration(const std::string& what, const YAML::Node& node, CostModel& cost);
   void readDistance(const YAML::Node& node, CostModel& cost);
+
+  // class_model_reader.cpp
+  void readClasses(const YAML::Node& node, ActionModel& model);
+  ClassModel readClass(const YAML::Node& node, const ActionModel& model);
+  void readMembers(const YAML::Node& node, ClassModel& model);
+  [[nodiscard]] std::set<std::string> membersOf(const std::string& name,
+                                                const std::vector<std::string>& possible) const;
+  void checkUnambiguous(const ActionModel& model);
 
   YamlFile& file_;
   const reasoner::Description& description_;
+  const LowLevelDomain* domain_;
   reasoner::Atom action_;
 };
 

@@ -43,7 +43,10 @@ struct DomainTask::Group
 
 DomainTask::DomainTask(const LowLevelDomain& domain, const Models& models,
                        const std::set<std::string>& constants)
-  : domain_(&domain), models_(&models), space_(domain.description(), constants)
+  : domain_(&domain)
+  , models_(&models)
+  , constants_(constants)
+  , space_(domain.description(), constants)
 {
   for (std::size_t i = 0; i < space_.fluents().size(); ++i)
   {
@@ -62,15 +65,18 @@ DomainTask::DomainTask(const LowLevelDomain& domain, const Models& models,
     action_models_.push_back(&model);
     start_fluents_.emplace_back();
     ends_.emplace_back();
-    if (model.cost.from)
+    const CostModel& cost = model.costOf(action.arguments);
+    outcomes_.push_back(&model.outcomesOf(action.arguments));
+    costs_.push_back(&cost);
+    if (cost.from)
     {
-      reasoner::Atom from = *model.cost.from;
+      reasoner::Atom from = *cost.from;
       for (reasoner::Term& term : from.arguments)
       {
         term = {false, argumentOf(model, action, term.name)};
       }
       start_fluents_.back() = space_.findFluent(reasoner::toString(from));
-      ends_.back() = domain.map().find(argumentOf(model, action, model.cost.to));
+      ends_.back() = domain.map().find(argumentOf(model, action, cost.to));
     }
   }
 }
@@ -95,8 +101,8 @@ const DomainTask::Transition& DomainTask::transition(StateId state, std::size_t 
   {
     return transition;
   }
-  const ActionModel& model = *action_models_.at(action);
-  transition.cost_s = model.cost.impossible_s;
+  const CostModel& cost = *costs_.at(action);
+  transition.cost_s = cost.impossible_s;
   const std::optional<double> distance_m = distance(state, action);
   std::map<StateId, double> next;
   double total = 0.0;
@@ -106,7 +112,7 @@ const DomainTask::Transition& DomainTask::transition(StateId state, std::size_t 
     {
       const double probability =
           outcome.share *
-          (outcome.label.empty() ? 1.0 : model.outcomes.probabilities.at(outcome.label));
+          (outcome.label.empty() ? 1.0 : outcomes_[action]->probabilities.at(outcome.label));
       next[outcome.state.value_or(state)] += probability;
       total += probability;
     }
@@ -117,7 +123,7 @@ const DomainTask::Transition& DomainTask::transition(StateId state, std::size_t 
     return transition;
   }
   transition.executable = true;
-  transition.cost_s = model.cost.base_s + model.cost.per_metre_s * *distance_m;
+  transition.cost_s = cost.base_s + cost.per_metre_s * *distance_m;
   for (const auto& [target, probability] : next)
   {
     if (probability > 0.0)
@@ -133,7 +139,8 @@ double DomainTask::likelihood(std::size_t action, std::size_t law, StateId next,
 {
   const StateSpace::Observation& observed = space_.observations(action).at(law);
   const reasoner::GroundFluent& fluent = space_.fluents()[observed.fluent];
-  const ObservationModel& model = action_models_[action]->observations.at(fluent.symbol);
+  const ObservationModel& model =
+      action_models_[action]->observationOf(fluent.symbol, space_.actions()[action].arguments);
   const std::string& held = space_.value(next, observed.fluent);
   const bool informative = executed || observed.caused;
   if (observed.value || boolean_[observed.fluent])
@@ -225,19 +232,23 @@ bool DomainTask::holds(const reasoner::Formula& goal, StateId state) const
 std::vector<DomainTask::Group> DomainTask::groupsOf(const InitialKnowledge& knowledge) const
 {
   std::vector<Group> groups;
+  const std::map<std::string, Distribution> priors =
+      priorsOf(*domain_, *models_, constants_, knowledge);
   for (const auto& [name, fine] : coarse_fluents_)
   {
     std::vector<std::size_t> open;
     for (const std::size_t fluent : fine)
     {
       const auto known = knowledge.fine.find(space_.fluents()[fluent].name);
-      if (known == knowledge.fine.end())
+      const auto prior = priors.find(space_.fluents()[fluent].name);
+      if (known == knowledge.fine.end() && prior == priors.end())
       {
         open.push_back(fluent);
         continue;
       }
       Group group;
-      for (const auto& [value, probability] : known->second)
+      for (const auto& [value, probability] :
+           known == knowledge.fine.end() ? prior->second : known->second)
       {
         if (probability > 0.0)
         {

@@ -1,7 +1,9 @@
 #include "kr3_refinement/models.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -19,6 +21,67 @@ using reasoner::Atom;
 using reasoner::Description;
 
 constexpr double kLarge = 1e9;
+constexpr double kSumTolerance = 1e-6;
+
+struct Unlearned
+{
+  std::string action;  ///< with its class, where it is one's
+  std::string what;
+  int line;
+};
+
+void addUnlearned(const std::string& action, const OutcomeModel& model,
+                  std::vector<Unlearned>& result)
+{
+  if (!model.probabilities.empty() && model.source == ModelSource::kHandWritten)
+  {
+    result.push_back({action, "outcomes", model.line});
+  }
+}
+
+void addUnlearned(const std::string& action,
+                  const std::map<std::string, ObservationModel>& observations,
+                  std::vector<Unlearned>& result)
+{
+  for (const auto& [fluent, model] : observations)
+  {
+    if (!model.exact && model.source == ModelSource::kHandWritten)
+    {
+      result.push_back({action, "observation of " + fluent, model.line});
+    }
+  }
+}
+
+void addUnlearned(const std::string& action, const CostModel& model, std::vector<Unlearned>& result)
+{
+  if (model.source == ModelSource::kHandWritten)
+  {
+    result.push_back({action, "cost", model.line});
+  }
+}
+
+/// Everything that nobody learned from trials.
+std::vector<Unlearned> unlearned(const Models& models)
+{
+  std::vector<Unlearned> result;
+  for (const auto& [name, action] : models.actions)
+  {
+    addUnlearned(name, action.outcomes, result);
+    addUnlearned(name, action.observations, result);
+    addUnlearned(name, action.cost, result);
+    for (const ClassModel& model : action.classes)
+    {
+      const std::string of_class = name + " for " + model.text;
+      addUnlearned(of_class, model.outcomes.value_or(OutcomeModel()), result);
+      addUnlearned(of_class, model.observations, result);
+      if (model.cost)
+      {
+        addUnlearned(of_class, *model.cost, result);
+      }
+    }
+  }
+  return result;
+}
 
 class ModelsReader
 {
@@ -34,9 +97,11 @@ public:
     Models models;
     models.file = file_.name();
     const YAML::Node& root = file_.root();
-    if (file_.checkMap(root, "the models", {"actions", "rewards", "discount", "threshold"}))
+    if (file_.checkMap(root, "the models",
+                       {"actions", "rewards", "discount", "threshold", "priors"}))
     {
       readNumbers(root, models);
+      readPriors(YamlFile::entry(root, "priors"), models);
       readActions(root, models);
     }
     if (options.require_learned)
@@ -81,6 +146,108 @@ private:
                      "giving up is the better policy");
       }
     }
+  }
+
+  void readPriors(const YAML::Node& node, Models& models)
+  {
+    if (!node.IsDefined())
+    {
+      return;
+    }
+    std::vector<std::string> names;
+    for (const reasoner::FluentDeclaration& fluent : description_.fluents)
+    {
+      const bool of_both =
+          domain_ != nullptr && domain_->highLevel().findFluent(fluent.name) != nullptr;
+      if (fluent.kind == reasoner::FluentKind::kInertial && !of_both)
+      {
+        names.push_back(fluent.name);
+      }
+    }
+    if (!node.IsMap())
+    {
+      file_.report(node,
+                   "priors: found " + YamlFile::shown(node) +
+                       ", expected a map from fluents of the low level alone, as 'f(X): 0.3'");
+      return;
+    }
+    for (const auto& entry : node)
+    {
+      const std::optional<Atom> atom =
+          parsedAtom(entry.first.IsScalar() ? entry.first.Scalar() : "");
+      if (!atom || std::find(names.begin(), names.end(), atom->name) == names.end())
+      {
+        file_.report(entry.first,
+                     "priors: " + YamlFile::shown(entry.first) +
+                         " is no inertial fluent of the low level alone, expected one of " +
+                         listed(names) + (atom ? suggestion(atom->name, names) : "") +
+                         "; what the high level has is known from its history and defaults");
+        continue;
+      }
+      const reasoner::FluentDeclaration& fluent = *description_.findFluent(atom->name);
+      if (atom->arguments.size() != fluent.argument_sorts.size())
+      {
+        file_.report(entry.first, "priors: '" + entry.first.Scalar() + "' has " +
+                                      std::to_string(atom->arguments.size()) +
+                                      " arguments, expected " +
+                                      std::to_string(fluent.argument_sorts.size()) +
+                                      ", of the sorts " + listed(fluent.argument_sorts));
+      }
+      if (!models.priors.emplace(atom->name, readPrior(fluent, entry.second)).second)
+      {
+        file_.report(entry.first, "priors: '" + atom->name + "' a second time; leave one of them");
+      }
+    }
+  }
+
+  FluentPrior readPrior(const reasoner::FluentDeclaration& fluent, const YAML::Node& node)
+  {
+    const std::string what = "priors, " + fluent.name;
+    const std::vector<std::string> values =
+        fluent.value_sort ? description_.findSort(*fluent.value_sort)->elements
+                          : std::vector<std::string>{"false", "true"};
+    FluentPrior prior;
+    prior.line = YamlFile::line(node);
+    for (const std::string& value : values)
+    {
+      prior.probabilities[value] = 1.0 / static_cast<double>(values.size());
+    }
+    if (node.IsScalar() && node.Scalar() == "uniform")
+    {
+      return prior;
+    }
+    if (node.IsScalar() && !fluent.value_sort)
+    {
+      const std::optional<double> yes = file_.finite(node, what);
+      if (yes && (*yes < 0.0 || *yes > 1.0))
+      {
+        file_.report(node, what + ": found '" + node.Scalar() + "', expected a number from 0 to 1");
+      }
+      prior.probabilities = {{"false", 1.0 - yes.value_or(0.5)}, {"true", yes.value_or(0.5)}};
+      return prior;
+    }
+    if (node.IsScalar())
+    {
+      file_.report(node, what + ": found '" + node.Scalar() +
+                             "', expected 'uniform' or probabilities by value");
+      return prior;
+    }
+    if (!file_.checkMap(node, what, values))
+    {
+      return prior;
+    }
+    double total = 0.0;
+    for (auto& [value, probability] : prior.probabilities)
+    {
+      probability = file_.number(node, value, 0.0, 0.0, 1.0);
+      total += probability;
+    }
+    if (std::abs(total - 1.0) > kSumTolerance)
+    {
+      file_.report(node,
+                   what + ": the probabilities sum to " + std::to_string(total) + ", expected 1");
+    }
+    return prior;
   }
 
   void readActions(const YAML::Node& root, Models& models)
@@ -142,7 +309,7 @@ private:
       file_.report(key, "actions: '" + atom.name + "' a second time; leave one of them");
       return;
     }
-    ActionModel model = ActionModelReader(file_, description_, atom).read(key, node);
+    ActionModel model = ActionModelReader(file_, description_, domain_, atom).read(key, node);
     if (domain_ != nullptr && model.cost.from)
     {
       checkDistances(action, YamlFile::entry(YamlFile::entry(node, "cost"), "distance"), model);
@@ -185,23 +352,12 @@ private:
 
   void requireLearned(const Models& models)
   {
-    for (const auto& [name, action] : models.actions)
+    for (const Unlearned& number : unlearned(models))
     {
-      const std::string mend =
-          " is hand-written, but learned values are required; run a training phase, or allow "
-          "hand-written ones";
-      if (action.outcomes.line > 0 && action.outcomes.source == ModelSource::kHandWritten)
-      {
-        file_.problems().add({file_.name(), action.outcomes.line, 0}, name + ", outcomes" + mend);
-      }
-      for (const auto& [fluent, model] : action.observations)
-      {
-        if (!model.exact && model.source == ModelSource::kHandWritten)
-        {
-          file_.problems().add({file_.name(), model.line, 0},
-                               name + ", observation of " + fluent + mend);
-        }
-      }
+      file_.problems().add({file_.name(), number.line, 0},
+                           number.action + ", " + number.what +
+                               " is hand-written, but learned values are required; run a training "
+                               "phase, or allow hand-written ones");
     }
   }
 
@@ -241,23 +397,10 @@ Models readModels(const std::string& path, const LowLevelDomain& domain,
 std::vector<std::string> handWritten(const Models& models)
 {
   std::vector<std::string> result;
-  const auto at = [&](int line) {
-    return models.file + (line > 0 ? ":" + std::to_string(line) : "") + ": ";
-  };
-  for (const auto& [name, action] : models.actions)
+  for (const Unlearned& number : unlearned(models))
   {
-    if (!action.outcomes.probabilities.empty() &&
-        action.outcomes.source == ModelSource::kHandWritten)
-    {
-      result.push_back(at(action.outcomes.line) + "outcomes of " + name);
-    }
-    for (const auto& [fluent, model] : action.observations)
-    {
-      if (!model.exact && model.source == ModelSource::kHandWritten)
-      {
-        result.push_back(at(model.line) + name + " observes " + fluent);
-      }
-    }
+    result.push_back(models.file + (number.line > 0 ? ":" + std::to_string(number.line) : "") +
+                     ": " + number.what + " of " + number.action);
   }
   return result;
 }

@@ -44,13 +44,15 @@ void checkDistribution(const std::string& fluent, const Distribution& distributi
 class Factor
 {
 public:
+  /// @param strict  a value that no state has is an error, or else just impossible
   Factor(std::string name, std::vector<std::size_t> fluents, bool boolean, bool coarse,
-         Distribution distribution)
+         Distribution distribution, bool strict = true)
     : name_(std::move(name))
     , fluents_(std::move(fluents))
     , boolean_(boolean)
     , coarse_(coarse)
     , distribution_(std::move(distribution))
+    , strict_(strict)
   {
   }
 
@@ -73,7 +75,7 @@ public:
     }
     for (const auto& [value, probability] : distribution_)
     {
-      if (probability > 0.0 && share_.count(value) == 0)
+      if (strict_ && probability > 0.0 && share_.count(value) == 0)
       {
         throw InvalidArgument("initial knowledge of " + name_ +
                               ": no state of the zoom has the value '" + value + "'");
@@ -107,6 +109,7 @@ private:
   bool boolean_;
   bool coarse_;
   Distribution distribution_;
+  bool strict_;
   std::map<std::string, double> share_;
 };
 
@@ -114,7 +117,7 @@ class Prior
 {
 public:
   Prior(const LowLevelDomain& domain, const Zoom& zoom, const InitialKnowledge& knowledge,
-        const Semantics& semantics)
+        const std::map<std::string, Distribution>& priors, const Semantics& semantics)
     : domain_(domain)
     , zoom_(zoom)
     , semantics_(semantics)
@@ -127,6 +130,10 @@ public:
     for (const auto& [text, distribution] : knowledge.coarse)
     {
       addCoarse(normalised(text), distribution);
+    }
+    for (const auto& [name, distribution] : priors)
+    {
+      addPrior(name, distribution);
     }
     for (const auto& [name, fluents] : coarse_fluents_)
     {
@@ -200,6 +207,21 @@ private:
     }
     checkValues(name, distribution, domain_.description());
     checkDistribution(name, distribution, false);
+    addFactor(name, *fluent, distribution, true);
+  }
+
+  void addPrior(const std::string& name, const Distribution& distribution)
+  {
+    const std::optional<std::size_t> fluent = semantics_.signature().findFluent(name);
+    if (fluent && *fluent < semantics_.signature().numInertial())
+    {
+      addFactor(name, *fluent, distribution, false);
+    }
+  }
+
+  void addFactor(const std::string& name, std::size_t fluent, const Distribution& distribution,
+                 bool strict)
+  {
     Distribution inside;
     for (const auto& [value, probability] : distribution)
     {
@@ -208,9 +230,9 @@ private:
         inside[isOutside(value, zoom_) ? kElsewhere : value] += probability;
       }
     }
-    factors_.emplace_back(name, std::vector<std::size_t>{*fluent}, isBoolean(*fluent), false,
-                          std::move(inside));
-    known_.insert(*fluent);
+    factors_.emplace_back(name, std::vector<std::size_t>{fluent}, isBoolean(fluent), false,
+                          std::move(inside), strict);
+    known_.insert(fluent);
   }
 
   void addCoarse(const std::string& name, const Distribution& distribution)
@@ -322,10 +344,13 @@ std::string coarseValue(const std::vector<std::string>& fine_values, bool boolea
 }
 
 std::set<std::string> withElsewhere(const LowLevelDomain& domain, const Zoom& zoom,
-                                    const InitialKnowledge& knowledge)
+                                    const InitialKnowledge& knowledge,
+                                    const std::map<std::string, Distribution>& priors)
 {
   std::set<std::string> result;
-  for (const auto& [text, distribution] : knowledge.fine)
+  std::map<std::string, Distribution> fine = knowledge.fine;
+  fine.insert(priors.begin(), priors.end());
+  for (const auto& [text, distribution] : fine)
   {
     for (const auto& [value, probability] : distribution)
     {
@@ -356,10 +381,11 @@ std::set<std::string> withElsewhere(const LowLevelDomain& domain, const Zoom& zo
 }
 
 std::vector<double> initialWeights(const LowLevelDomain& domain, const Zoom& zoom,
-                                   const InitialKnowledge& knowledge, const Semantics& semantics,
-                                   const std::vector<Values>& states)
+                                   const InitialKnowledge& knowledge,
+                                   const std::map<std::string, Distribution>& priors,
+                                   const Semantics& semantics, const std::vector<Values>& states)
 {
-  return Prior(domain, zoom, knowledge, semantics).weights(states);
+  return Prior(domain, zoom, knowledge, priors, semantics).weights(states);
 }
 
 }  // namespace kr3::refinement

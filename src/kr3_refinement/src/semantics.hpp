@@ -24,6 +24,17 @@ struct GroundAction
   std::vector<int> arguments;
 };
 
+[[nodiscard]] inline std::vector<std::string> argumentNames(const Vocabulary& vocabulary,
+                                                            const GroundAction& action)
+{
+  std::vector<std::string> names;
+  for (const int argument : action.arguments)
+  {
+    names.push_back(vocabulary.name(argument));
+  }
+  return names;
+}
+
 /// One way an action can turn out.
 struct Result
 {

@@ -40,11 +40,12 @@ SensorTable::SensorTable(const Semantics& semantics, const Models& models,
                          const GroundAction& action, ObservationNames& names)
   : semantics_(semantics), laws_(semantics.observations(action)), names_(names)
 {
+  const std::vector<std::string> arguments = argumentNames(semantics.vocabulary(), action);
   for (const GroundObservation& law : laws_)
   {
     const std::string& fluent =
         semantics.signature().symbols()[semantics.fluents()[law.fluent].symbol].name;
-    models_.push_back(&models.actions.at(action.symbol).observations.at(fluent));
+    models_.push_back(&models.actions.at(action.symbol).observationOf(fluent, arguments));
     feedback_.push_back(semantics.affects(action, law.fluent));
   }
 }

@@ -28,7 +28,7 @@ std::string withoutBlanks(std::string name)
 /// What a reader of models.yaml has checked; models made in memory are checked here.
 /// @throws InvalidArgument  an action without a model, or probabilities that do not sum to 1
 void checkModels(const Models& models, const std::vector<GroundAction>& actions,
-                 const reasoner::Description& description)
+                 const Vocabulary& vocabulary, const reasoner::Description& description)
 {
   for (const GroundAction& action : actions)
   {
@@ -37,7 +37,7 @@ void checkModels(const Models& models, const std::vector<GroundAction>& actions,
     {
       throw InvalidArgument("the models have no numbers for the action '" + action.symbol + "'");
     }
-    const OutcomeModel& outcomes = model->second.outcomes;
+    const OutcomeModel& outcomes = model->second.outcomesOf(argumentNames(vocabulary, action));
     if (!outcomes.probabilities.empty() && !sumsToOne(outcomes, description, action.symbol))
     {
       double total = 0.0;
@@ -62,15 +62,16 @@ public:
     : domain_(domain)
     , models_(models)
     , zoom_(zoom)
-    , semantics_(domain.description(), &zoom.constants, withElsewhere(domain, zoom, knowledge),
-                 kElsewhere)
+    , priors_(priorsOf(domain, models, zoom.constants, knowledge))
+    , semantics_(domain.description(), &zoom.constants,
+                 withElsewhere(domain, zoom, knowledge, priors_), kElsewhere)
     , states_(semantics_.states(limits.max_states))
     , actions_(semantics_.actions())
     , boundary_(states_.size())
     , done_(boundary_ + 1)
-    , weights_(initialWeights(domain, zoom, knowledge, semantics_, states_))
+    , weights_(initialWeights(domain, zoom, knowledge, priors_, semantics_, states_))
   {
-    checkModels(models, actions_, domain_.description());
+    checkModels(models, actions_, semantics_.vocabulary(), domain_.description());
   }
 
   PomdpTask generate()
@@ -181,7 +182,10 @@ private:
       {
         parts.rewards.push_back(-table.outcomes(action, state).seconds);
       }
-      parts.rewards.push_back(-models_.actions.at(actions_[action].symbol).cost.impossible_s);
+      const std::vector<std::string> arguments =
+          argumentNames(semantics_.vocabulary(), actions_[action]);
+      parts.rewards.push_back(
+          -models_.actions.at(actions_[action].symbol).costOf(arguments).impossible_s);
       parts.rewards.push_back(0.0);
     }
     const RewardModel& rewards = models_.rewards;
@@ -299,10 +303,7 @@ private:
     {
       return;
     }
-    for (const int argument : actions_[action].arguments)
-    {
-      arguments.push_back(semantics_.vocabulary().name(argument));
-    }
+    arguments = argumentNames(semantics_.vocabulary(), actions_[action]);
     for (const GroundObservation& law : laws_[action])
     {
       observed.push_back(semantics_.fluents()[law.fluent].name);
@@ -317,6 +318,7 @@ private:
   const LowLevelDomain& domain_;
   const Models& models_;
   const Zoom& zoom_;
+  std::map<std::string, Distribution> priors_;
   Semantics semantics_;
   std::vector<Values> states_;
   std::vector<GroundAction> actions_;

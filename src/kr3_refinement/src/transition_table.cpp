@@ -32,10 +32,10 @@ using StateIndex = std::unordered_map<Values, std::uint32_t, ValuesHash>;
 class Distance
 {
 public:
-  Distance(const LowLevelDomain& domain, const ActionModel& model, const Semantics& semantics,
-           const GroundAction& action)
+  Distance(const LowLevelDomain& domain, const ActionModel& model, const CostModel& cost,
+           const Semantics& semantics, const GroundAction& action)
   {
-    if (!model.cost.from)
+    if (!cost.from)
     {
       return;
     }
@@ -45,13 +45,13 @@ public:
     {
       arguments.emplace(model.parameters[i], vocabulary.name(action.arguments[i]));
     }
-    reasoner::Atom from = *model.cost.from;
+    reasoner::Atom from = *cost.from;
     for (reasoner::Term& argument : from.arguments)
     {
       argument = {false, arguments.at(argument.name)};
     }
     fluent_ = semantics.signature().findFluent(reasoner::toString(from));
-    const std::optional<std::size_t> end = domain.map().find(arguments.at(model.cost.to));
+    const std::optional<std::size_t> end = domain.map().find(arguments.at(cost.to));
     if (!fluent_ || !end)
     {
       fluent_.reset();
@@ -64,6 +64,10 @@ public:
         metres_.emplace(value, domain.map().distance(*start, *end));
       }
     }
+    if (semantics.signature().elsewhere() != Vocabulary::kNone)
+    {
+      metres_.emplace(semantics.signature().elsewhere(), fromOutside(domain, semantics, *end));
+    }
   }
 
   /// m; infinity when there is no way.
@@ -74,6 +78,30 @@ public:
   }
 
 private:
+  /// The mean way from the values outside the zoom that have one; 0 where there is none.
+  [[nodiscard]] double fromOutside(const LowLevelDomain& domain, const Semantics& semantics,
+                                   std::size_t end) const
+  {
+    const PhysicalFluent& fluent = semantics.fluents()[*fluent_];
+    const Symbol& symbol = semantics.signature().symbols()[fluent.symbol];
+    double total = 0.0;
+    double count = 0.0;
+    for (const int value : symbol.full_value_sort->elements())
+    {
+      const bool inside =
+          std::find(fluent.values.begin(), fluent.values.end(), value) != fluent.values.end();
+      const auto start = domain.map().find(semantics.vocabulary().name(value));
+      const double metres = !inside && start ? domain.map().distance(*start, end)
+                                             : std::numeric_limits<double>::infinity();
+      if (metres < std::numeric_limits<double>::infinity())
+      {
+        total += metres;
+        count += 1.0;
+      }
+    }
+    return count > 0.0 ? total / count : 0.0;
+  }
+
   std::optional<std::size_t> fluent_;
   std::unordered_map<int, double> metres_;
 };
@@ -84,19 +112,19 @@ class OutcomeFinder
 public:
   OutcomeFinder(const LowLevelDomain& domain, const ActionModel& model, const Semantics& semantics,
                 const StateIndex& index, const GroundAction& action)
-    : model_(model)
+    : probabilities_(model.outcomesOf(argumentNames(semantics.vocabulary(), action)).probabilities)
+    , cost_(model.costOf(argumentNames(semantics.vocabulary(), action)))
     , semantics_(semantics)
     , index_(index)
     , action_(action)
-    , distance_(domain, model, semantics, action)
+    , distance_(domain, model, cost_, semantics, action)
   {
   }
 
   [[nodiscard]] Outcomes find(const Values& state, std::uint32_t number) const
   {
     const double distance_m = distance_.from(state);
-    const CostModel& cost = model_.cost;
-    Outcomes outcomes{true, cost.base_s + cost.per_metre_s * distance_m, {}};
+    Outcomes outcomes{true, cost_.base_s + cost_.per_metre_s * distance_m, {}};
     if (distance_m < std::numeric_limits<double>::infinity() &&
         !semantics_.forbidden(state, action_))
     {
@@ -104,7 +132,7 @@ public:
     }
     if (outcomes.next.empty())
     {
-      return {false, cost.impossible_s, {{number, 1.0}}};
+      return {false, cost_.impossible_s, {{number, 1.0}}};
     }
     return outcomes;
   }
@@ -118,8 +146,7 @@ private:
     for (const Result& result : semantics_.results(state, action_))
     {
       const double probability =
-          result.share *
-          (result.label.empty() ? 1.0 : model_.outcomes.probabilities.at(result.label));
+          result.share * (result.label.empty() ? 1.0 : probabilities_.at(result.label));
       if (probability > 0.0)
       {
         next.push_back({numberOf(result), probability});
@@ -163,7 +190,8 @@ private:
     return entry->second;
   }
 
-  const ActionModel& model_;
+  const std::map<std::string, double>& probabilities_;
+  const CostModel& cost_;
   const Semantics& semantics_;
   const StateIndex& index_;
   const GroundAction& action_;

@@ -218,6 +218,48 @@ void addConstants(const LowLevelDomain& domain, Zoom& zoom)
   }
 }
 
+/// What the high level cannot rule out: elements of sorts that only the low level has, and of sorts
+/// of mere values (of nothing that has fluents itself) that a fluent of the low level alone takes.
+void addLowLevelConstants(const LowLevelDomain& domain, Zoom& zoom)
+{
+  const Description& high = domain.highLevel();
+  const auto add = [&](const reasoner::Sort& sort, const std::string& reason) {
+    for (const std::string& element : sort.elements)
+    {
+      if (!domain.map().find(element) && zoom.constants.insert(element).second)
+      {
+        zoom.relevant.push_back({element, reason});
+      }
+    }
+  };
+  for (const reasoner::Sort& sort : domain.refinement().sorts)
+  {
+    if (high.findSort(sort.name) == nullptr)
+    {
+      add(sort, "of the sort " + sort.name + ", which only the low level has");
+    }
+  }
+  const auto is_argument = [&](const std::string& element) {
+    return std::any_of(high.fluents.begin(), high.fluents.end(), [&](const auto& fluent) {
+      return std::any_of(fluent.argument_sorts.begin(), fluent.argument_sorts.end(),
+                         [&](const std::string& name) {
+        const std::vector<std::string>& elements = high.findSort(name)->elements;
+        return std::find(elements.begin(), elements.end(), element) != elements.end();
+      });
+    });
+  };
+  for (const reasoner::FluentDeclaration& fluent : domain.refinement().fluents)
+  {
+    const reasoner::Sort* values =
+        fluent.value_sort ? domain.description().findSort(*fluent.value_sort) : nullptr;
+    if (values != nullptr && fluent.kind == reasoner::FluentKind::kInertial &&
+        std::none_of(values->elements.begin(), values->elements.end(), is_argument))
+    {
+      add(*values, "value of " + fluent.name + ", which only the low level has");
+    }
+  }
+}
+
 void addStart(const Semantics& semantics, const Values& before, Zoom& zoom)
 {
   for (std::size_t i = 0; i < semantics.signature().numInertial(); ++i)
@@ -260,6 +302,7 @@ Zoom zoom(const LowLevelDomain& domain, const std::vector<Literal>& state, const
   }
   result.relevant = RelevanceSearch(domain, semantics, action).run(transition);
   addConstants(domain, result);
+  addLowLevelConstants(domain, result);
   addStart(semantics, transition.before, result);
   return result;
 }
@@ -288,6 +331,7 @@ Zoom wholeDomain(const LowLevelDomain& domain, const std::vector<Literal>& state
     }
   }
   addConstants(domain, result);
+  addLowLevelConstants(domain, result);
   addStart(semantics, before, result);
   return result;
 }
@@ -311,76 +355,6 @@ std::vector<Literal> successor(const Description& high_level, const std::vector<
     }
   }
   return result;
-}
-
-namespace
-{
-
-/// Mean distance in m between the components of two high-level constants.
-double meanDistance(const LowLevelDomain& domain, const std::string& from, const std::string& to)
-{
-  double total = 0.0;
-  std::size_t pairs = 0;
-  for (const std::string& a : domain.components(from))
-  {
-    for (const std::string& b : domain.components(to))
-    {
-      const std::optional<std::size_t> i = domain.map().find(a);
-      const std::optional<std::size_t> j = domain.map().find(b);
-      total += i && j ? domain.map().distance(*i, *j) : 0.0;
-      ++pairs;
-    }
-  }
-  return total / static_cast<double>(pairs);
-}
-
-}  // namespace
-
-double estimatedCost(const LowLevelDomain& domain, const Models& models,
-                     const std::vector<Literal>& state,
-                     const std::vector<std::vector<std::string>>& steps)
-{
-  const Semantics semantics(domain.highLevel());
-  Values values = valuesOf(semantics, state);
-  double cost_s = 0.0;
-  for (const std::vector<std::string>& step : steps)
-  {
-    for (const std::string& text : step)
-    {
-      const Atom action = reasoner::parseGroundAction(text, domain.highLevel());
-      const auto model = models.actions.find(action.name);
-      if (model == models.actions.end())
-      {
-        throw NotFound("no model of the action '" + action.name + "'");
-      }
-      const CostModel& cost = model->second.cost;
-      cost_s += cost.base_s;
-      if (cost.from)
-      {
-        std::unordered_map<std::string, std::string> arguments;
-        for (std::size_t i = 0; i < action.arguments.size(); ++i)
-        {
-          arguments.emplace(model->second.parameters[i], action.arguments[i].name);
-        }
-        Atom from = *cost.from;
-        for (Term& argument : from.arguments)
-        {
-          argument = {false, arguments.at(argument.name)};
-        }
-        const std::optional<std::size_t> fluent =
-            semantics.signature().findFluent(reasoner::toString(from));
-        if (fluent && values[*fluent] != Vocabulary::kNone)
-        {
-          cost_s +=
-              cost.per_metre_s * meanDistance(domain, semantics.vocabulary().name(values[*fluent]),
-                                              arguments.at(cost.to));
-        }
-      }
-      const std::vector<Result> results = semantics.results(values, semantics.groundAction(action));
-      values = results.empty() ? values : results.front().values;
-    }
-  }
-  return cost_s;
 }
 
 }  // namespace kr3::refinement

@@ -596,7 +596,10 @@ TEST(LearnedModels, CanBeRequired)
 {
   const LowLevelDomain domain = good();
   const Models models = parseModels(kModels, "models.yaml", domain);
-  EXPECT_EQ(handWritten(models), std::vector<std::string>{"models.yaml:16: look observes feeds"});
+  EXPECT_EQ(handWritten(models),
+            (std::vector<std::string>{
+                "models.yaml:12: cost of close", "models.yaml:16: observation of feeds of look",
+                "models.yaml:19: cost of look", "models.yaml:10: cost of turn"}));
   expectError(ErrorCode::kInvalidArgument,
               "models.yaml:16: look, observation of feeds is hand-written, but learned values are "
               "required",
@@ -606,6 +609,12 @@ TEST(LearnedModels, CanBeRequired)
   learned.replace(learned.find(source), source.size(),
                   "counts: {true_positive: 45, false_negative: 5, false_positive: 4, "
                   "true_negative: 36}\n        source: learned");
+  for (std::size_t at = 0; (at = learned.find("impossible_s: 5.0}", at)) != std::string::npos; ++at)
+  {
+    learned.insert(at,
+                   "counts: {carried_out: 50, impossible: 5}, stddev_s: 0.5, source: learned, ");
+    at = learned.find("impossible_s: 5.0}", at);
+  }
   EXPECT_TRUE(handWritten(parseModels(learned, "models.yaml", domain, {true})).empty());
 }
 

@@ -52,7 +52,7 @@ TEST(RefinementPage, HasFilesThatFitTogether)
   const LowLevelDomain domain =
       test::composed(files["domain.kr3"], files["refinement.kr3"], readComponentMap(map));
   const Models models = parseModels(files["models.yaml"], "models.yaml", domain);
-  EXPECT_EQ(handWritten(models).size(), 1U);
+  EXPECT_EQ(handWritten(models).size(), 4U);
   const CouplingReport report = checkCoupling(domain);
   EXPECT_TRUE(report.passed()) << toString(report);
   EXPECT_GT(report.num_transitions, 0U);

@@ -134,22 +134,5 @@ TEST(Successor, FollowsTheHighLevel)
   EXPECT_EQ(std::find(after.begin(), after.end(), "loc(mug1) = kitchen"), after.end());
 }
 
-TEST(EstimatedCost, GrowsWithTheWay)
-{
-  const test::Domain office = test::office();
-  const auto cost = [&](const std::vector<Names>& steps) {
-    return estimatedCost(office.low_level, office.models, office.state({"loc(rob1) = office"}),
-                         steps);
-  };
-  const double near = cost({{"move(rob1, main_library)"}});
-  const double far = cost({{"move(rob1, corridor)"}});
-  EXPECT_LT(near, far);
-  EXPECT_DOUBLE_EQ(
-      cost({{"move(rob1, main_library)"}, {"move(rob1, corridor)"}}) - near,
-      cost({{"move(rob1, main_library)"}, {"move(rob1, corridor)"}, {"move(rob1, main_library)"}}) -
-          cost({{"move(rob1, main_library)"}, {"move(rob1, corridor)"}}));
-  EXPECT_DOUBLE_EQ(cost({}), 0.0);
-}
-
 }  // namespace
 }  // namespace kr3::refinement

@@ -98,10 +98,13 @@ private:
 
   const LowLevelDomain* domain_;
   const Models* models_;
+  std::set<std::string> constants_;
   StateSpace space_;
   std::map<std::string, std::vector<std::size_t>> coarse_fluents_;
   std::vector<bool> boolean_;  ///< of each fluent
   std::vector<const ActionModel*> action_models_;
+  std::vector<const OutcomeModel*> outcomes_;              // of each ground action
+  std::vector<const CostModel*> costs_;                    // of each ground action
   std::vector<std::optional<std::size_t>> start_fluents_;  ///< where each action's way begins
   std::vector<std::optional<std::size_t>> ends_;           ///< component where it ends
   std::unordered_map<std::uint64_t, Transition> transitions_;

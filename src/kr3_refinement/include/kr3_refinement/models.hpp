@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct OutcomeModel
   /// By label; sums to 1, over all labels or over those of each law.
   std::map<std::string, double> probabilities;
   std::map<std::string, std::uint64_t> counts;  ///< sample sizes; empty when hand-written
+  /// Pseudo-count of each label in the Dirichlet prior; with the counts it gives the posterior,
+  /// whose mean the probabilities are. Nothing: not said.
+  std::optional<double> prior;
   ModelSource source = ModelSource::kHandWritten;
   int line = 0;  ///< in the models file; 0: made in memory
 };
@@ -40,6 +44,7 @@ struct ObservationModel
   double true_positive = 1.0;
   double false_positive = 0.0;
   std::map<std::string, std::uint64_t> counts;
+  std::optional<double> prior;  ///< pseudo-count of yes and of no in the Beta priors
   ModelSource source = ModelSource::kHandWritten;
   bool exact = false;  ///< declared never to err, so there is nothing to learn
   int line = 0;        ///< in the models file; 0: made in memory
@@ -54,14 +59,46 @@ struct CostModel
       from;        ///< a fluent over the action's parameters, `loc(R)`: its value is the start
   std::string to;  ///< the action's parameter that is the end
   double impossible_s = 10.0;  ///< cost of trying it where it is impossible
+  /// Sample sizes, `carried_out` and `impossible`; empty when hand-written.
+  std::map<std::string, std::uint64_t> counts;
+  double stddev_s = 0.0;  ///< of one duration about the expected one, when learned
+  ModelSource source = ModelSource::kHandWritten;
+  int line = 0;  ///< in the models file; 0: made in memory
 };
 
+/// The numbers of an action for some of its arguments only, where they differ from those for all.
+struct ClassModel
+{
+  /// The constants that an argument may be, by its position; every other argument may be anything.
+  std::map<std::size_t, std::set<std::string>> members;
+  std::optional<OutcomeModel> outcomes;
+  std::map<std::string, ObservationModel> observations;
+  std::optional<CostModel> cost;
+  std::string text;  ///< as the file has it, `{O: heavy}`
+  int line = 0;      ///< in the models file; 0: made in memory
+
+  [[nodiscard]] bool contains(const std::vector<std::string>& arguments) const;
+  /// All arguments of this class are of the other as well.
+  [[nodiscard]] bool isWithin(const ClassModel& other) const;
+};
+
+/// The numbers of an action: for all arguments, and for classes of them. For some arguments those
+/// of the most specific class hold that has any; outcomes, each observation and the cost are looked
+/// up apart from each other.
 struct ActionModel
 {
   std::vector<std::string> parameters;  ///< names of the arguments in the models file, `R`, `C`
   OutcomeModel outcomes;
   std::map<std::string, ObservationModel> observations;  ///< by the name of the observed fluent
   CostModel cost;
+  std::vector<ClassModel> classes;
+
+  /// @param arguments  of a ground action, of the low level or (of an action of both) the high one
+  [[nodiscard]] const OutcomeModel& outcomesOf(const std::vector<std::string>& arguments) const;
+  [[nodiscard]] const CostModel& costOf(const std::vector<std::string>& arguments) const;
+  /// @throws InvalidArgument  there is no model of the fluent
+  [[nodiscard]] const ObservationModel& observationOf(
+      const std::string& fluent, const std::vector<std::string>& arguments) const;
 };
 
 struct RewardModel
@@ -71,10 +108,22 @@ struct RewardModel
   double wrong_finish = -100.0;  ///< finishing where they could be
 };
 
+/// What a fluent of the low level alone may be before anything is known of it. Each ground fluent
+/// is independent of the others.
+struct FluentPrior
+{
+  /// By value; sums to 1, values that are not listed have probability 0.
+  std::map<std::string, double> probabilities;
+  int line = 0;  ///< in the models file; 0: made in memory
+};
+
 /// The numbers of the low level: probabilities, costs, rewards.
 struct Models
 {
   std::map<std::string, ActionModel> actions;  ///< by action name, one for each low-level action
+  /// By name of a fluent that the refinement declares. Without one a boolean fluent is false, and
+  /// any other has each of its values alike.
+  std::map<std::string, FluentPrior> priors;
   RewardModel rewards;
   double discount = 0.98;
   double threshold = 0.85;  ///< belief above it becomes knowledge, in (0.5, 1)
@@ -83,7 +132,7 @@ struct Models
 
 struct ModelsOptions
 {
-  /// Refuse probabilities that nobody learned from trials.
+  /// Refuse probabilities and durations that nobody learned from trials.
   bool require_learned = false;
 };
 
@@ -102,14 +151,21 @@ struct ModelsOptions
                                  const ModelsOptions& options = {});
 
 /// As above, and checks in addition that the map has what costs ask of it: distances between the
-/// values of `from` and of `to`.
+/// values of `from` and of `to`. Components are also of the classes of their wholes.
 [[nodiscard]] Models readModels(const std::string& path, const LowLevelDomain& domain,
                                 const ModelsOptions& options = {});
 [[nodiscard]] Models parseModels(const std::string& text, const std::string& file,
                                  const LowLevelDomain& domain, const ModelsOptions& options = {});
 
-/// The probabilities that were not learned, one line each: "models.yaml:16: outcomes of move(R,
-/// C)". `exact` observations are not listed.
+/// The numbers that were not learned, one line each: "models.yaml:16: outcomes of move". `exact`
+/// observations are not listed.
 [[nodiscard]] std::vector<std::string> handWritten(const Models& models);
+
+/// Where the numbers of one ground action come from, one line each: "outcomes: learned, 200 samples
+/// (models.yaml:16)".
+///
+/// @throws NotFound  the models have no such action
+[[nodiscard]] std::vector<std::string> sources(const Models& models, const std::string& action,
+                                               const std::vector<std::string>& arguments);
 
 }  // namespace kr3::refinement

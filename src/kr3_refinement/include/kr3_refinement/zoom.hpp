@@ -62,11 +62,4 @@ struct Zoom
                                                        const std::vector<reasoner::Literal>& state,
                                                        const reasoner::Atom& action);
 
-/// Seconds that the low level may take for a sequence of high-level actions: base costs and mean
-/// distances between the components concerned. For comparing plans, not for predicting.
-/// @return infinity when a distance on the way is infinite
-[[nodiscard]] double estimatedCost(const LowLevelDomain& domain, const Models& models,
-                                   const std::vector<reasoner::Literal>& state,
-                                   const std::vector<std::vector<std::string>>& steps);
-
 }  // namespace kr3::refinement

@@ -33,14 +33,13 @@ int main(int argc, char** argv)
   check.up_to_symmetry = !all;
   try
   {
-    const kr3::refinement::LowLevelDomain domain = kr3::refinement::tools::loadDomain(options);
-    if (numbers || models.require_learned)
+    const bool with_models = numbers || models.require_learned;
+    kr3::refinement::Models read;
+    const kr3::refinement::LowLevelDomain domain =
+        kr3::refinement::tools::loadDomain(options, with_models ? &read : nullptr, models);
+    for (const std::string& line : kr3::refinement::handWritten(read))
     {
-      for (const std::string& line : kr3::refinement::handWritten(
-               kr3::refinement::readModels(options.domain + "/models.yaml", domain, models)))
-      {
-        std::cout << "not learned: " << line << "\n";
-      }
+      std::cout << "not learned: " << line << "\n";
     }
     const kr3::refinement::CouplingReport report = kr3::refinement::checkCoupling(domain, check);
     std::cout << kr3::refinement::toString(report);

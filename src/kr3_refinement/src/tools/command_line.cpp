@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
+#include <optional>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 
 #include <kr3_common/error.hpp>
+
+#include "kr3_refinement/low_level_files.hpp"
 
 namespace kr3::refinement::tools
 {
@@ -99,26 +100,29 @@ ComponentMap mapOf(const Options& options, const reasoner::Description& high_lev
   return gridMap(wholes, options.per_whole, options.pitch_m);
 }
 
-std::string readText(const std::string& path)
-{
-  std::ifstream file(path);
-  if (!file)
-  {
-    throw Unavailable("cannot read '" + path + "'");
-  }
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 }  // namespace
 
-LowLevelDomain loadDomain(const Options& options)
+LowLevelDomain loadDomain(const Options& options, Models* models, const ModelsOptions& how)
 {
   const reasoner::Description high_level =
       reasoner::readDescription(options.domain + "/domain.kr3");
-  const std::string path = options.domain + "/refinement.kr3";
   const reasoner::Description refinement =
-      reasoner::parseRefinement(readText(path), path, high_level);
-  return {high_level, refinement, mapOf(options, high_level, refinement)};
+      readRefinementFile(options.domain + "/refinement.kr3", high_level);
+  const ComponentMap map = mapOf(options, high_level, refinement);
+  const std::string models_file =
+      options.models.empty() ? options.domain + "/models.yaml" : options.models;
+  std::optional<LowLevelDomain> domain;
+  Refusals refusals;
+  refusals.attempt([&] { domain.emplace(high_level, refinement, map); });
+  if (models != nullptr)
+  {
+    refusals.attempt([&] {
+      *models = domain ? readModels(models_file, *domain, how)
+                       : readModels(models_file, namesOfLowLevel(high_level, refinement, map), how);
+    });
+  }
+  refusals.throwIfAny();
+  return std::move(*domain);
 }
 
 std::vector<reasoner::Literal> literalsOf(const std::string& text,
@@ -138,11 +142,9 @@ std::vector<reasoner::Literal> literalsOf(const std::string& text,
 
 Loaded load(const Options& options)
 {
-  LowLevelDomain domain = loadDomain(options);
+  Models models;
+  LowLevelDomain domain = loadDomain(options, &models);
   const reasoner::Description& high_level = domain.highLevel();
-  Models models =
-      readModels(options.models.empty() ? options.domain + "/models.yaml" : options.models,
-                 domain.description());
   std::vector<reasoner::Literal> state = literalsOf(options.state, high_level);
   reasoner::Atom action;
   if (!options.action.empty())

@@ -38,7 +38,10 @@ void addDomainOptions(CLI::App& app, Options& options);
 /// Adds the options that say which task: the state, the action, what is known at the start.
 void addTaskOptions(CLI::App& app, Options& options);
 
-[[nodiscard]] LowLevelDomain loadDomain(const Options& options);
+/// @param models  receives models.yaml, unless null
+/// @throws InvalidArgument  what is wrong with any of the files that are read
+[[nodiscard]] LowLevelDomain loadDomain(const Options& options, Models* models = nullptr,
+                                        const ModelsOptions& how = {});
 
 /// Domain, task and `--solve`. Exits when the arguments are wrong or ask for help.
 [[nodiscard]] Options parse(int argc, char** argv, const std::string& purpose);

@@ -1,5 +1,6 @@
 /// kr3_zoom: what matters to a high-level action, and the POMDP that it becomes. Needs no ROS.
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -8,6 +9,8 @@
 #include <iostream>
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -20,6 +23,7 @@
 #include "command_line.hpp"
 #include "kr3_refinement/factored_task.hpp"
 #include "kr3_refinement/pomdp_task.hpp"
+#include "kr3_refinement/sensitivity.hpp"
 #include "kr3_refinement/task_report.hpp"
 #include "kr3_refinement/zoom.hpp"
 
@@ -37,6 +41,7 @@ struct ZoomOptions : refinement::tools::Options
   bool numbered = false;
   std::size_t max_states = refinement::GeneratorLimits{}.max_states;
   std::size_t max_names = 5;
+  std::string sensitivity;
 };
 
 class CpuStopwatch
@@ -88,6 +93,45 @@ void printZoom(const refinement::LowLevelDomain& domain, const refinement::Zoom&
   }
   std::cout << "\nZoomed low-level description:\n\n"
             << reasoner::toString(refinement::zoomedDescription(domain, zoom)) << "\n";
+}
+
+/// Where the numbers of the zoom's actions come from; actions with the same ones together.
+void printSources(const refinement::PomdpTask& task, const refinement::Models& models)
+{
+  struct Same
+  {
+    std::string actions;
+    std::size_t count = 0;
+    std::vector<std::string> lines;
+  };
+  std::vector<Same> all;
+  for (std::size_t action = 0; action < task.finishAction(); ++action)
+  {
+    std::vector<std::string> lines =
+        refinement::sources(models, task.actionSymbol(action), task.actionArguments(action));
+    const auto known = std::find_if(all.begin(), all.end(), [&](const Same& same) {
+      return same.lines == lines && same.actions.rfind(task.actionSymbol(action) + "(", 0) == 0;
+    });
+    if (known == all.end())
+    {
+      all.push_back({task.actionText(action), 1, std::move(lines)});
+    }
+    else
+    {
+      ++known->count;
+    }
+  }
+  std::cout << "Numbers:\n";
+  for (const Same& same : all)
+  {
+    std::cout << "  " << same.actions
+              << (same.count > 1 ? " and " + std::to_string(same.count - 1) + " more" : "") << "\n";
+    for (const std::string& line : same.lines)
+    {
+      std::cout << "    " << line << "\n";
+    }
+  }
+  std::cout << "\n";
 }
 
 /// "move (4), search (4), grasp, finish"
@@ -177,9 +221,10 @@ void run(const ZoomOptions& options)
   const double factor_ms = stopwatch.lap_ms();
 
   printModel(task, factors, options.max_names);
-  std::cout << "\nCPU: load " << fixed(load_ms) << " ms, zoom " << fixed(zoom_ms)
-            << " ms, generate " << fixed(generate_ms) << " ms, factor " << fixed(factor_ms)
-            << " ms\n";
+  std::cout << "\n";
+  printSources(task, loaded.models);
+  std::cout << "CPU: load " << fixed(load_ms) << " ms, zoom " << fixed(zoom_ms) << " ms, generate "
+            << fixed(generate_ms) << " ms, factor " << fixed(factor_ms) << " ms\n";
   writeFile(options.pomdp, [&](std::ostream& out) {
     if (options.numbered)
     {
@@ -194,6 +239,12 @@ void run(const ZoomOptions& options)
   if (options.solve_s > 0.0)
   {
     solve(task, options.solve_s);
+  }
+  if (!options.sensitivity.empty())
+  {
+    refinement::SensitivityOptions how;
+    how.limits.time_s = options.solve_s;
+    std::cout << "\n" << refinement::sensitivity(task, options.sensitivity, how).text(task);
   }
 }
 
@@ -212,6 +263,9 @@ void addOptions(CLI::App& app, ZoomOptions& options)
                  "write the POMDP in factors to this file, with what is always known as observed");
   app.add_option("--solve", options.solve_s, "solve it for so many seconds and simulate the policy")
       ->check(CLI::NonNegativeNumber);
+  app.add_option("--sensitivity", options.sensitivity,
+                 "a hidden low-level fluent: solve again with its hypothesis more and less likely, "
+                 "and with each of its values certain, for --solve seconds each");
   app.add_option("--max-states", options.max_states, "most physical states");
   app.add_option("--names", options.max_names, "most names of unreachable states and the like");
   app.footer(
@@ -237,6 +291,10 @@ void check(const ZoomOptions& options)
   if (!(options.solve_s >= 0.0))
   {
     throw InvalidArgument("--solve " + std::to_string(options.solve_s) + ": expected seconds");
+  }
+  if (!options.sensitivity.empty() && !(options.solve_s > 0.0))
+  {
+    throw InvalidArgument("--sensitivity needs --solve SECONDS, for each belief");
   }
   if (options.numbered && options.pomdp.empty())
   {
