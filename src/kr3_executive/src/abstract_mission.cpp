@@ -7,7 +7,9 @@
 #include <utility>
 
 #include <kr3_common/error.hpp>
+#include <kr3_refinement/low_level_files.hpp>
 
+#include "kr3_executive/domain_files.hpp"
 #include "literal_text.hpp"
 #include "yaml_reader.hpp"
 
@@ -101,18 +103,23 @@ AbstractMissions::AbstractMissions(const std::string& directory, AbstractMission
   if (!std::filesystem::is_directory(path))
     throw Unavailable("'" + directory + "' is no directory");
   const auto high_level = reasoner::readDescription((path / "domain.kr3").string());
-  const std::string refinement_file = (path / "refinement.kr3").string();
   const auto refined =
-      reasoner::parseRefinement(readTextFile(refinement_file), refinement_file, high_level);
+      refinement::readRefinementFile((path / "refinement.kr3").string(), high_level);
   const auto map_file = path / "map.yaml";
-  domain_ = std::make_unique<refinement::LowLevelDomain>(
-      high_level, refined,
-      std::filesystem::exists(map_file) ? refinement::readComponentMap(map_file.string())
-                                        : gridOf(high_level, refined, config_));
   refinement::ModelsOptions numbers;
   numbers.require_learned = config_.require_learned;
-  models_ = refinement::readModels((path / "models.yaml").string(), *domain_, numbers);
-  bindings_ = Bindings::read((path / config_.bindings).string(), domain_->description());
+  const auto file = [&](const std::string& name) {
+    const std::string full = (path / name).string();
+    return DomainFile{full, readTextFile(full)};
+  };
+  LoadedDomain loaded =
+      load(high_level, refined,
+           std::filesystem::exists(map_file) ? refinement::readComponentMap(map_file.string())
+                                             : gridOf(high_level, refined, config_),
+           file("models.yaml"), file(config_.bindings), numbers);
+  domain_ = std::move(loaded.domain);
+  models_ = std::move(loaded.models);
+  bindings_ = std::move(loaded.bindings);
   if (std::filesystem::exists(path / "scenario.yaml"))
     scenario_ = readScenario((path / "scenario.yaml").string(), high_level);
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -44,6 +46,15 @@ std::vector<reasoner::Atom> inertialFluents(const reasoner::Description& descrip
     all.insert(all.end(), atoms.begin(), atoms.end());
   }
   return all;
+}
+
+std::string drawn(const std::map<std::string, double>& probabilities, std::mt19937_64& random)
+{
+  std::vector<double> weights;
+  for (const auto& [value, probability] : probabilities)
+    weights.push_back(probability);
+  std::discrete_distribution<std::ptrdiff_t> index(weights.begin(), weights.end());
+  return std::next(probabilities.begin(), index(random))->first;
 }
 
 }  // namespace
@@ -89,6 +100,12 @@ void AbstractWorld::reset(const FluentValues& coarse, const FluentValues& fine)
       for (auto& argument : whole.arguments)
         argument.name = domain_.coarse(argument.name);
       const auto given = coarse.find(reasoner::toString(whole));
+      if (const auto prior = models_.priors.find(atom.name);
+          prior != models_.priors.end() && given == coarse.end())
+      {
+        state[name] = drawn(prior->second.probabilities, random_);
+        continue;
+      }
       if (!declared->value_sort)
       {
         state[name] = given == coarse.end() ? "false" : given->second;
@@ -114,7 +131,7 @@ void AbstractWorld::reset(const FluentValues& coarse, const FluentValues& fine)
 double AbstractWorld::durationOf(const LowLevelAction& action) const
 {
   const auto& model = models_.actions.at(action.symbol);
-  const auto& cost = model.cost;
+  const auto& cost = model.costOf(action.arguments);
   double distance_m = 0.0;
   if (cost.from && !cost.to.empty())
   {
@@ -176,7 +193,8 @@ std::string AbstractWorld::senseNothing(const LowLevelAction& action, const std:
     const auto& values = domain_.description().findSort(*declared->value_sort)->elements;
     return values[noise_ ? anyOf(values.size()) : 0];
   }
-  const auto& model = models_.actions.at(action.symbol).observations.at(declared->name);
+  const auto& model =
+      models_.actions.at(action.symbol).observationOf(declared->name, action.arguments);
   const double yes = asked.empty() ? 0.5 : model.false_positive;
   return noise_ && chance(yes) ? "true" : "false";
 }
@@ -185,7 +203,8 @@ std::string AbstractWorld::observe(const LowLevelAction& action, const std::stri
                                    const std::string& asked)
 {
   const auto* declared = domain_.description().findFluent(takeApart(fluent).symbol);
-  const auto& model = models_.actions.at(action.symbol).observations.at(declared->name);
+  const auto& model =
+      models_.actions.at(action.symbol).observationOf(declared->name, action.arguments);
   const auto held = state_.find(fluent);
   const std::string truth = held == state_.end() ? "false" : held->second;
   if (!asked.empty() || !declared->value_sort)
@@ -220,7 +239,8 @@ std::size_t AbstractWorld::chooseOutcome(const LowLevelAction& action,
     }
     return static_cast<std::size_t>(forced - labels.begin());
   }
-  const auto& probabilities = models_.actions.at(action.symbol).outcomes.probabilities;
+  const auto& probabilities =
+      models_.actions.at(action.symbol).outcomesOf(action.arguments).probabilities;
   std::vector<double> weights;
   for (const auto& label : labels)
     weights.push_back(probabilities.at(label));
@@ -245,17 +265,17 @@ LowLevelResult AbstractWorld::execute(const LowLevelAction& action, const Distur
   for (const auto& argument : action.arguments)
     atom.arguments.push_back({false, argument});
   LowLevelResult result;
-  const auto& model = models_.actions.at(action.symbol);
+  const auto& cost = models_.actions.at(action.symbol).costOf(action.arguments);
   const bool possible = laws_.executable(state_, atom) && std::isfinite(durationOf(action));
   if (!possible)
   {
     result.outcome = "impossible";
-    result.duration_s = model.cost.impossible_s;
+    result.duration_s = cost.impossible_s;
   }
   else if (disturbance.blocked)
   {
     result.outcome = disturbance.outcome.value_or("blocked");
-    result.duration_s = model.cost.impossible_s;
+    result.duration_s = cost.impossible_s;
   }
   else
   {

@@ -148,10 +148,11 @@ double CoarsePlan::meanCost(StateId state, std::size_t action) const
                ? name
                : ground.arguments[static_cast<std::size_t>(at - model.parameters.begin())];
   };
-  double cost_s = model.cost.base_s;
-  if (!model.cost.from || model.cost.to.empty())
+  const auto& cost = model.costOf(ground.arguments);
+  double cost_s = cost.base_s;
+  if (!cost.from || cost.to.empty())
     return cost_s;
-  reasoner::Atom from = *model.cost.from;
+  reasoner::Atom from = *cost.from;
   for (auto& term : from.arguments)
     term = {false, argumentOf(term.name)};
   const auto fluent = space_.findFluent(reasoner::toString(from));
@@ -161,7 +162,7 @@ double CoarsePlan::meanCost(StateId state, std::size_t action) const
   std::size_t pairs = 0;
   for (const auto& a : domain_.components(space_.value(state, *fluent)))
   {
-    for (const auto& b : domain_.components(argumentOf(model.cost.to)))
+    for (const auto& b : domain_.components(argumentOf(cost.to)))
     {
       const auto start = domain_.map().find(a);
       const auto end = domain_.map().find(b);
@@ -171,8 +172,7 @@ double CoarsePlan::meanCost(StateId state, std::size_t action) const
       ++pairs;
     }
   }
-  return cost_s +
-         (pairs == 0 ? 0.0 : model.cost.per_metre_s * total_m / static_cast<double>(pairs));
+  return cost_s + (pairs == 0 ? 0.0 : cost.per_metre_s * total_m / static_cast<double>(pairs));
 }
 
 std::vector<reasoner::Literal> CoarsePlan::literals(StateId state) const
@@ -247,7 +247,8 @@ OptionModel CoarsePlan::optionWhereHidden(StateId state, std::size_t action)
   }
   OptionModel impossible;
   const auto& model = models_.actions.at(space_.actions()[action].symbol);
-  impossible.success = impossible.failure = {model.cost.impossible_s, 1.0};
+  impossible.success =
+      impossible.failure = {model.costOf(space_.actions()[action].arguments).impossible_s, 1.0};
   return impossible;
 }
 

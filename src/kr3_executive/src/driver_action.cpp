@@ -35,6 +35,7 @@ Event MissionDriver::performPolicy(const RequestPolicy& request)
   }
   catch (const FailedPrecondition& e)
   {
+    report(EventKind::kPolicy, {"no policy for " + request.action + ": " + e.what()});
     return ActionImpossible{e.what()};
   }
   const SolvedPolicy policy = solvePolicy(request.action);

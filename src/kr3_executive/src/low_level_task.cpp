@@ -54,6 +54,20 @@ std::string firstOf(const Distribution& values)
       ->first;
 }
 
+/// All values alike of a fluent that only the low level has: no history says where it may be.
+/// Nothing for others.
+Distribution anyOfTheLowLevel(const refinement::LowLevelDomain& domain, const std::string& fluent)
+{
+  Distribution values;
+  const auto* declared = domain.description().findFluent(symbolOf(fluent));
+  if (domain.highLevel().findFluent(symbolOf(fluent)) != nullptr || declared == nullptr ||
+      !declared->value_sort)
+    return values;
+  for (const auto& element : domain.description().findSort(*declared->value_sort)->elements)
+    values[element] = 1.0;
+  return values;
+}
+
 /// The belief after an action and an observation that is right with a probability. What the model
 /// holds for impossible stays so: what the robot always knows has to stay known, since a policy's
 /// alpha vectors are over the states that agree with it.
@@ -320,6 +334,8 @@ Distribution LowLevelTask::rememberedValues(const std::string& fluent, const Dis
     others = noticed->second;
   else if (remembered != memory.end())
     others = remembered->second.values;
+  else
+    others = anyOfTheLowLevel(domain_, fluent);
   double sum = 0.0;
   for (auto it = others.begin(); it != others.end();)
   {

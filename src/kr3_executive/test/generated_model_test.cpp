@@ -142,10 +142,7 @@ Case repairing()
            {0.1, {{"cause(hum)", "display"}}, covers}}};
 }
 
-/// Sensors for values that err, a constraint between fluents, laws under conditions.
-const Loaded& racks()
-{
-  static const Loaded loaded = composed(R"(
+const char* const kRacks = R"(
 sorts
   rack = {near, far}.
   thing = {box, crate}.
@@ -163,8 +160,9 @@ axioms
   -tagged(X) if sealed(X).
   impossible tag(X) if on(X) = K, sealed(X).
   impossible push(X, K) if sealed(X).
-)",
-                                        R"(
+)";
+
+const char* const kShelves = R"(
 magnify rack into shelf by of_rack.
 statics
   beside(shelf, shelf).
@@ -177,8 +175,9 @@ observations
   gauge(X) observes on(X).
   gauge(X) observes tagged(X).
   tag(X) observes tagged(X).
-)",
-                                        R"(
+)";
+
+const char* const kRackNumbers = R"(
 actions:
   push(X, S):
     outcomes: {probabilities: {placed: 0.7, slid: 0.3}, source: hand-written}
@@ -191,8 +190,44 @@ actions:
       on: {true_positive: 0.8, source: hand-written}
       tagged: {true_positive: 0.85, false_positive: 0.1, source: hand-written}
     cost: {base_s: 1.0, impossible_s: 2.0}
-)",
-                                        refinement::gridMap({"near", "far"}, 3, 1.0));
+)";
+
+/// Sensors for values that err, a constraint between fluents, laws under conditions.
+const Loaded& racks()
+{
+  static const Loaded loaded =
+      composed(kRacks, kShelves, kRackNumbers, refinement::gridMap({"near", "far"}, 3, 1.0));
+  return loaded;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to)
+{
+  return text.replace(text.find(from), from.size(), to);
+}
+
+/// The racks with numbers of their own for light things, near shelves and one shelf.
+const Loaded& sortedRacks()
+{
+  static const Loaded loaded = composed(
+      replaced(kRacks, "thing = {box, crate}.", "light = {box}.\n  thing = light + {crate}."),
+      kShelves,
+      replaced(replaced(kRackNumbers, "  tag(X):",
+                        R"(    classes:
+      - for: {X: light}
+        outcomes: {probabilities: {placed: 0.5, slid: 0.5}, source: hand-written}
+      - for: {X: light, S: near_c1}
+        outcomes: {probabilities: {placed: 0.9, slid: 0.1}, source: hand-written}
+  tag(X):)"),
+               "  gauge(X):",
+               R"(    classes:
+      - for: {X: box}
+        observations: {tagged: {true_positive: 0.75, false_positive: 0.3, source: hand-written}}
+  gauge(X):
+    classes:
+      - for: {X: light}
+        observations: {on: {true_positive: 0.6, source: hand-written}}
+        cost: {base_s: 2.0})"),
+      refinement::gridMap({"near", "far"}, 3, 1.0));
   return loaded;
 }
 
@@ -206,6 +241,15 @@ Case tagging()
           {{}, {{"on(box)", {{"near", 0.75}}}}},
           {{0.75, {{"on(box)", "near"}, {"on(crate)", "far"}}, {}},
            {0.25, {{"on(box)", "far"}, {"on(crate)", "far"}}, {}}}};
+}
+
+Case sorting()
+{
+  Case c = tagging();
+  c.name = "sort";
+  c.domain = &sortedRacks().domain;
+  c.models = &sortedRacks().models;
+  return c;
 }
 
 /// With the false-positive or outcome probabilities changed by a little.
@@ -243,6 +287,7 @@ const std::vector<SampledCase>& cases()
     result.push_back({carrying(), sampled(carrying(), kSequences, 1000, 11)});
     result.push_back({repairing(), sampled(repairing(), kSequences, 1500, 11)});
     result.push_back({tagging(), sampled(tagging(), kSequences, 2500, 11)});
+    result.push_back({sorting(), sampled(sorting(), kSequences, 1500, 11)});
     return result;
   }();
   return all;
@@ -298,6 +343,19 @@ TEST(GeneratedModel, IsRejectedWhenItsNumbersAreALittleWrong)
                  "stuck screws 0.20 as 0.27");
   expectRejected("tag", perturbed(racks().models, "push", "slid", "placed", 0.40),
                  "sliding 0.30 as 0.40");
+}
+
+// A generator that looks at the numbers of the action only, or at one class too few.
+TEST(GeneratedModel, IsRejectedWhenItDoesNotSeeTheClasses)
+{
+  const SampledCase& sorted = caseOf("sort");
+  for (const char* const action : {"push", "tag", "gauge"})
+  {
+    Models models = sortedRacks().models;
+    models.actions.at(action).classes.pop_back();
+    const Comparison comparison = compareSequences(sorted.c, models, sorted.sample);
+    EXPECT_TRUE(comparison.rejected()) << action << ": " << summaryOf(comparison);
+  }
 }
 
 TEST(GeneratedModel, IsRejectedByAPolicysRunsWhenItsNumbersAreWrong)

@@ -88,7 +88,12 @@ INSTANTIATE_TEST_SUITE_P(Domains, WholeMission,
                                               "mended(old_town, heating, hiss)",
                                               {{kLeak + "north_main", "kept(rubber_seal) = depot"},
                                                {kLeak + "south_main", "kept(rubber_seal) = depot"},
-                                               {kLeak + "ring_main", "kept(rubber_seal) = van"}}}),
+                                               {kLeak + "ring_main", "kept(rubber_seal) = van"}}},
+                                         Case{"warehouse",
+                                              "delivered(pallet1)",
+                                              {{"stored(pallet1) = shelf_a", "blocked(a1)"},
+                                               {"stored(pallet1) = shelf_b"},
+                                               {"stored(pallet1) = shelf_c"}}}),
                          [](const auto& test_case) { return test_case.param.domain; });
 
 TEST(Waterworks, ShutsTheWaterOffBeforeItMends)

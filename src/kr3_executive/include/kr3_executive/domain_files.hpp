@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <kr3_reasoner/language.hpp>
 #include <kr3_refinement/component_map.hpp>
 #include <kr3_refinement/low_level_domain.hpp>
 #include <kr3_refinement/models.hpp>
@@ -47,5 +48,13 @@ struct LoadedDomain
 
 /// @throws InvalidArgument  a text is wrong; one line for each problem
 [[nodiscard]] LoadedDomain load(const DomainFiles& files);
+
+/// The same once the descriptions are read. A refinement or a map that does not fit hides nothing
+/// that is wrong with the others.
+[[nodiscard]] LoadedDomain load(const reasoner::Description& high_level,
+                                const reasoner::Description& refined,
+                                const refinement::ComponentMap& map, const DomainFile& models,
+                                const DomainFile& bindings,
+                                const refinement::ModelsOptions& numbers = {});
 
 }  // namespace kr3::executive

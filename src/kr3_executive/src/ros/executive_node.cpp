@@ -11,8 +11,10 @@
 #include <kr3_common/ros/param_reader.hpp>
 #include <kr3_common/ros/status.hpp>
 #include <kr3_msgs/CellArray.h>
+#include <kr3_refinement/low_level_files.hpp>
 
 #include "conversions.hpp"
+#include "kr3_executive/domain_files.hpp"
 #include "kr3_executive/in_process.hpp"
 #include "kr3_executive/knowledge_file.hpp"
 #include "kr3_executive/names.hpp"
@@ -155,14 +157,15 @@ ExecutiveNode::ExecutiveNode(ros::NodeHandle nh, const ros::NodeHandle& private_
   , input_publisher_(nh.advertise<kr3_msgs::MissionInput>(names::kInputs, kInputQueue))
 {
   const auto high_level = reasoner::readDescription(config_.domain);
-  const auto refined =
-      reasoner::parseRefinement(readText(config_.refinement), config_.refinement, high_level);
+  const auto refined = refinement::readRefinementFile(config_.refinement, high_level);
   if (!config_.scenario.empty())
     scenario_ = readScenario(config_.scenario, high_level);
-  domain_ = std::make_unique<refinement::LowLevelDomain>(
-      high_level, refined, waitForCells(nh, config_.peer_deadline_s, stop));
-  models_ = refinement::readModels(config_.models, domain_->description());
-  bindings_ = Bindings::read(config_.bindings, domain_->description());
+  LoadedDomain loaded = load(high_level, refined, waitForCells(nh, config_.peer_deadline_s, stop),
+                             {config_.models, readText(config_.models)},
+                             {config_.bindings, readText(config_.bindings)});
+  domain_ = std::move(loaded.domain);
+  models_ = std::move(loaded.models);
+  bindings_ = std::move(loaded.bindings);
   narrator_ = std::make_unique<Narrator>(bindings_.phrases(), high_level);
   executor_ = std::make_unique<RosExecutor>(nh, bindings_);
   const auto now_s = [] { return ros::Time::now().toSec(); };
