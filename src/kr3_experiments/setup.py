@@ -6,6 +6,11 @@ from catkin_pkg.python_setup import generate_distutils_setup
 
 setup(
     **generate_distutils_setup(
-        packages=["kr3_experiments", "kr3_experiments.experiment"], package_dir={"": "python"}
+        packages=[
+            "kr3_experiments",
+            "kr3_experiments.experiment",
+            "kr3_experiments.learning",
+        ],
+        package_dir={"": "python"},
     )
 )

@@ -16,6 +16,7 @@ from kr3_experiments.stack import Stack
 from kr3_experiments.stack_file import load_stack
 
 DEFAULT_PORT = 11311
+DEFAULT_DOMAIN = "office"
 METHODS = ["pa", "pa_star", "pomdp1", "pomdp2", "hierarchical"]
 
 

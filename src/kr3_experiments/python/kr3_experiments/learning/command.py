@@ -1,0 +1,228 @@
+"""`./kr3 learn`: the training phase. The robot acts and looks, the simulator or a person says what was true, and the
+counts become the domain's models file."""
+import argparse
+from pathlib import Path
+from typing import Optional
+
+from kr3_experiments.bringup import (
+    DEFAULT_DOMAIN,
+    World,
+    choose_port,
+    existing_run_dir,
+    new_run_dir,
+    package_config,
+    stack_variables,
+)
+from kr3_experiments.domain import load_domain, repository_root
+from kr3_experiments.errors import Kr3Error
+from kr3_experiments.learning.counts import AttemptLog, read_attempts
+from kr3_experiments.learning.session import Lesson, conclude, load_lesson
+from kr3_experiments.learning.trials import Curriculum, train
+from kr3_experiments.learning.truth import components
+from kr3_experiments.stack import Stack
+from kr3_experiments.stack_file import load_stack
+from kr3_experiments.terminal import Terminal
+
+_WANTED = 200
+_WANTED_QUICK = 15
+_NOT_NEEDED = ("executive_node", "reasoner_node", "policy_node")
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Options of the command."""
+    parser.add_argument(
+        "domain",
+        nargs="?",
+        default=DEFAULT_DOMAIN,
+        help=f"folder below domains/ (default: {DEFAULT_DOMAIN})",
+    )
+    parser.add_argument(
+        "--seed",
+        type=int,
+        default=1,
+        help="of the world, its noise and the choice of trials (default: 1)",
+    )
+    parser.add_argument(
+        "--trials",
+        type=int,
+        metavar="N",
+        help=f"of each kind (default: {_WANTED}; --quick: {_WANTED_QUICK})",
+    )
+    parser.add_argument("--quick", action="store_true", help="few trials: wide intervals")
+    parser.add_argument(
+        "--classes",
+        action="store_true",
+        help="numbers of their own for classes of arguments tried often enough",
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="models file (default: models.yaml in the run's folder)",
+    )
+    parser.add_argument(
+        "--run-dir",
+        type=Path,
+        metavar="DIR",
+        help="an earlier run's folder: its attempts count, and it goes on",
+    )
+    parser.add_argument(
+        "--bag", type=Path, metavar="FILE", help="learn from a recorded bag in place of driving"
+    )
+    parser.add_argument(
+        "--attempts",
+        type=Path,
+        nargs="+",
+        metavar="FILE",
+        help="learn from files of attempts in place of driving",
+    )
+    parser.add_argument(
+        "--export-looks",
+        type=Path,
+        metavar="DIR",
+        help="with --bag: write the pictures of its looks for a person to label",
+    )
+    parser.add_argument(
+        "--labels",
+        type=Path,
+        metavar="DIR",
+        help="learn from such pictures and a person's labels of them",
+    )
+    parser.add_argument(
+        "--real-time-factor",
+        type=float,
+        default=2.0,
+        metavar="X",
+        help="simulated s per s (default: 2); what the machine cannot keep up with is learned as the robot's fault",
+    )
+    parser.add_argument("--port", type=int, help="port of the ROS master (default: a free one)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """@return 0 when the models file was written"""
+    terminal = Terminal()
+    domain = load_domain(args.domain, repository_root())
+    lesson = load_lesson(domain.folder)
+    wanted = args.trials or (_WANTED_QUICK if args.quick else _WANTED)
+    if wanted <= 0 or not 0 <= args.seed < 2**31:
+        raise Kr3Error(
+            f"--trials {wanted} --seed {args.seed}: expected trials > 0 and a seed from 0 to {2**31 - 1}"
+        )
+    sources = [name for name in ("bag", "labels", "attempts") if getattr(args, name) is not None]
+    if len(sources) > 1:
+        raise Kr3Error(f"--{sources[0]} and --{sources[1]}: expected one of them")
+    if args.export_looks is not None and args.bag is None:
+        raise Kr3Error("--export-looks needs --bag: the pictures of looks come from a bag")
+    if args.bag is not None:
+        return _from_bag(args, lesson, terminal)
+    if args.labels is not None:
+        from kr3_experiments.learning.labels import attempts_from_labels
+
+        attempts = attempts_from_labels(args.labels, lesson)
+        return _write(
+            args,
+            lesson,
+            attempts,
+            args.labels,
+            f"From a person's labels, {len(attempts)} looks.",
+            terminal,
+        )
+    if args.attempts is not None:
+        attempts = [attempt for path in args.attempts for attempt in read_attempts(path)]
+        return _write(
+            args,
+            lesson,
+            attempts,
+            args.attempts[0].parent,
+            f"From {len(attempts)} attempts.",
+            terminal,
+        )
+    return _drive(args, lesson, wanted, terminal)
+
+
+def _drive(args: argparse.Namespace, lesson: Lesson, wanted: int, terminal: Terminal) -> int:
+    from kr3_experiments.learning.robot import Distances, Robot
+
+    domain = load_domain(args.domain, repository_root())
+    domain.require_map()
+    truth = lesson.truth()
+    run_dir = new_run_dir("learn") if args.run_dir is None else existing_run_dir(args.run_dir)
+    log = AttemptLog(run_dir / "attempts.jsonl", {"domain": args.domain, "seed": args.seed})
+    terminal.heading(
+        f"KR3 learn: domain {args.domain}, seed {args.seed}, {wanted} trials of each kind"
+    )
+    if log.attempts:
+        terminal.detail(f"{len(log.attempts)} attempts are there already")
+    world = World(domain, args.seed, domain.target.at, args.real_time_factor)
+    # A run that goes on meets another world: the same one would repeat the same chances.
+    variables = {
+        **stack_variables(world, run_dir),
+        "seed": args.seed + 1000003 * len(log.attempts) % 2**31,
+    }
+    specs = [
+        spec
+        for spec in load_stack(package_config("stack.yaml"), variables)
+        if spec.name not in _NOT_NEEDED
+    ]
+    interrupted: Optional[BaseException] = None
+    with Stack(run_dir, terminal.detail) as stack:
+        stack.start_master(choose_port(args.port))
+        stack.start_nodes(specs)
+        robot = Robot(stack, truth, lesson.bindings, Distances(lesson.entries, lesson.keys))
+        laws = lesson.laws(components(robot.cells))
+        curriculum = Curriculum(
+            laws, lesson.bindings, lesson.entries, wanted, args.seed + len(log.attempts)
+        )
+        try:
+            train(robot, curriculum, laws, lesson.entries, lesson.bindings, log, terminal.line)
+        except (KeyboardInterrupt, Kr3Error) as error:
+            interrupted = error
+        finally:
+            log.close()
+    if log.attempts:
+        how = [
+            f"{len(log.attempts)} trials in the simulator, domain {args.domain}, seed {args.seed}."
+        ]
+        lines = conclude(
+            lesson, laws, log.attempts, args.output or run_dir / "models.yaml", how, args.classes
+        )
+        _show(lines, args.output or run_dir / "models.yaml", terminal)
+    if interrupted is not None:
+        terminal.verdict(False, f"not finished; go on with --run-dir {run_dir} --seed {args.seed}")
+        raise interrupted
+    return 0
+
+
+def _from_bag(args: argparse.Namespace, lesson: Lesson, terminal: Terminal) -> int:
+    from kr3_experiments.learning.bag import attempts_from_bag, export_looks
+
+    if args.export_looks is not None:
+        number = export_looks(args.bag, lesson, args.export_looks)
+        terminal.verdict(
+            True,
+            f"{number} looks in {args.export_looks}: label them there, then --labels {args.export_looks}",
+        )
+        return 0
+    attempts, skipped = attempts_from_bag(args.bag, lesson)
+    if skipped:
+        terminal.detail(
+            f"{skipped} skills of the bag are no low-level action here, or have no truth: not counted"
+        )
+    return _write(
+        args, lesson, attempts, args.bag.parent, f"From {len(attempts)} actions of a bag.", terminal
+    )
+
+
+def _write(args, lesson, attempts, folder: Path, how: str, terminal: Terminal) -> int:
+    output = args.output or folder / "models_learned.yaml"
+    _show(
+        conclude(lesson, lesson.laws({}), attempts, output, [how], args.classes), output, terminal
+    )
+    return 0
+
+
+def _show(lines, output: Path, terminal: Terminal) -> None:
+    terminal.heading("Learned: mean [95 % interval]")
+    for line in lines:
+        terminal.detail(line)
+    terminal.verdict(True, f"models written: {output}")

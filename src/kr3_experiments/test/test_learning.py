@@ -1,0 +1,327 @@
+"""The training phase without a robot: laws, trials in a simulated low level with known chances, counts, files."""
+import json
+import random
+from pathlib import Path
+from typing import Dict
+
+import pytest
+import yaml
+
+from kr3_experiments.domain import repository_root
+from kr3_experiments.errors import Kr3Error
+from kr3_experiments.learning.counts import (
+    Attempt,
+    AttemptLog,
+    Durations,
+    Observed,
+    agree,
+    count,
+    read_attempts,
+    share,
+)
+from kr3_experiments.learning.labels import attempts_from_labels
+from kr3_experiments.learning.laws import GroundAction, LowLevel, State, Value
+from kr3_experiments.learning.models_file import action_name, learned, outcomes_of
+from kr3_experiments.learning.session import Lesson, conclude, load_lesson
+from kr3_experiments.learning.trials import Curriculum, Outcome, train
+from kr3_experiments.learning.truth import CellArea, Snapshot, Truth
+
+OFFICE = repository_root() / "domains" / "office"
+PLACES = ("office", "main_library", "aux_library", "kitchen", "study_corner", "corridor")
+PARTS = {place: [f"{place}_c{i}" for i in range(2)] for place in PLACES}
+SLIP, TRUE_POSITIVE, FALSE_POSITIVE, GRASP = 0.12, 0.85, 0.08, 0.7
+
+
+@pytest.fixture(name="lesson")
+def _lesson() -> Lesson:
+    return load_lesson(OFFICE)
+
+
+class SimulatedRobot:
+    """Does what the office's laws say, with chances that are known."""
+
+    def __init__(self, seed: int):
+        self._random = random.Random(seed)
+        cells = [cell for parts in PARTS.values() for cell in parts]
+        self.state: Dict[str, Value] = {"loc(rob1)": cells[0]}
+        for thing in ("tb1", "tb2", "tb3", "printer1", "printer2", "mug1", "mug2", "pot1"):
+            self.state[f"loc({thing})"] = self._random.choice(cells)
+            self.state[f"in_hand(rob1, {thing})"] = False
+
+    def truth(self) -> Dict[str, Value]:
+        return dict(self.state)
+
+    def execute(self, action: GroundAction, state: State) -> Outcome:
+        robot, *rest = action.arguments
+        chance = self._random.random()
+        if action.name == "move":
+            neighbor = rest[0][:-1] + ("1" if rest[0].endswith("0") else "0")
+            self.state[f"loc({robot})"] = neighbor if chance < SLIP else rest[0]
+            for fluent, value in state.items():
+                if fluent.startswith("in_hand") and value is True:
+                    thing = fluent.partition(", ")[2].rstrip(")")
+                    self.state[f"loc({thing})"] = self.state[f"loc({robot})"]
+            seconds = 3.0 + 1.5 * 4.0 + self._random.gauss(0.0, 0.2)
+            return Outcome("reached", (str(self.state[f"loc({robot})"]),), seconds, 4.0)
+        if action.name == "search":
+            so = state[f"loc({rest[1]})"] == rest[0]
+            said = chance < (TRUE_POSITIVE if so else FALSE_POSITIVE)
+            return Outcome("found" if said else "not_found", (), 6.0)
+        if action.name == "grasp":
+            self.state[f"in_hand({robot}, {rest[0]})"] = chance < GRASP
+            return Outcome("succeeded" if chance < GRASP else "failed", (), 4.0)
+        self.state[f"in_hand({robot}, {rest[0]})"] = False
+        return Outcome("succeeded", (), 2.0)
+
+
+def run(lesson: Lesson, folder: Path, seed: int, wanted: int):
+    """Counts of a whole training phase in the simulated low level."""
+    laws = lesson.laws(PARTS)
+    log = AttemptLog(folder / f"attempts{seed}.jsonl", {"seed": seed})
+    curriculum = Curriculum(laws, lesson.bindings, lesson.entries, wanted, seed)
+    train(
+        SimulatedRobot(seed), curriculum, laws, lesson.entries, lesson.bindings, log, lambda _: None
+    )
+    log.close()
+    return count(log.attempts, {name: laws.labels(name) for name in lesson.entries})
+
+
+def estimates(counts):
+    """The four unknowns."""
+    moves, grasps = counts["move"].outcomes, counts["grasp"].outcomes
+    sensor = counts["search"].sensors["loc"]
+    return {
+        "slip": share(moves["slipped"], sum(moves.values())),
+        "grasp": share(grasps["succeeded"], sum(grasps.values())),
+        "true": share(sensor.true_positive, sensor.true_positive + sensor.false_negative),
+        "false": share(sensor.false_positive, sensor.false_positive + sensor.true_negative),
+    }
+
+
+def test_learned_values_come_to_the_known_ones_and_seeds_agree(lesson, tmp_path):
+    known = {"slip": SLIP, "grasp": GRASP, "true": TRUE_POSITIVE, "false": FALSE_POSITIVE}
+    runs = [estimates(run(lesson, tmp_path, seed, 60)) for seed in (1, 2)]
+    outside = sum(
+        not found[name].low <= value <= found[name].high
+        for found in runs
+        for name, value in known.items()
+    )
+    assert outside <= 2  # of 8 intervals of 95 %: more happens once in 170 draws of seeds
+    for name, value in known.items():
+        assert all(abs(found[name].mean - value) < 0.2 for found in runs)
+        assert agree(runs[0][name], runs[1][name]), name
+
+
+def test_more_trials_mean_narrower_intervals_around_the_truth(lesson, tmp_path):
+    few = estimates(run(lesson, tmp_path, 4, 20))
+    many = estimates(run(lesson, tmp_path, 5, 120))
+    for name, interval in many.items():
+        assert interval.high - interval.low < few[name].high - few[name].low
+    assert abs(many["true"].mean - TRUE_POSITIVE) < 0.12
+
+
+def test_every_stratum_is_tried_as_often_as_wanted(lesson, tmp_path):
+    counts = run(lesson, tmp_path, 6, 25)
+    sensor = counts["search"].sensors["loc"]
+    assert sensor.true_positive + sensor.false_negative >= 25
+    assert sensor.false_positive + sensor.true_negative >= 25
+    for name in ("move", "grasp", "putdown"):
+        assert len(counts[name].durations.carried_out) >= 25
+
+
+def test_stated_intervals_hold_the_truth_as_often_as_they_say():
+    generator = random.Random(7)
+    for p in (0.05, 0.5, 0.9):
+        hits = 0
+        for _ in range(400):
+            k = sum(generator.random() < p for _ in range(80))
+            interval = share(k, 80)
+            hits += interval.low <= p <= interval.high
+        assert 0.90 <= hits / 400 <= 0.99
+
+
+def test_laws_say_what_is_possible_and_what_happened(lesson):
+    laws = lesson.laws(PARTS)
+    state = {"loc(rob1)": "kitchen_c0", "loc(mug1)": "kitchen_c0", "loc(tb1)": "office_c1"}
+    assert laws.possible(GroundAction("search", ("rob1", "kitchen_c0", "tb1")), state)
+    assert not laws.possible(GroundAction("search", ("rob1", "kitchen_c1", "tb1")), state)
+    assert laws.possible(GroundAction("grasp", ("rob1", "mug1")), state)
+    assert not laws.possible(GroundAction("grasp", ("rob1", "tb1")), state)
+    held = {**state, "in_hand(rob1, mug1)": True}
+    assert not laws.possible(GroundAction("grasp", ("rob1", "mug1")), held)
+    assert laws.possible(GroundAction("putdown", ("rob1", "mug1")), held)
+    move = GroundAction("move", ("rob1", "office_c1"))
+    assert laws.outcome(move, {"loc(rob1)": "office_c1"}) == "reached"
+    assert laws.outcome(move, {"loc(rob1)": "office_c0"}) == "slipped"
+    grasp = GroundAction("grasp", ("rob1", "mug1"))
+    assert laws.outcome(grasp, held) == "succeeded"
+    assert laws.outcome(grasp, state) == "failed"
+
+
+def test_laws_of_another_domain_are_read_as_well():
+    folder = repository_root() / "domains" / "workbench"
+    laws = LowLevel(folder / "domain.kr3", folder / "refinement.kr3", {"psu": ["fuse", "coil"]})
+    assert laws.labels("replace") == ["good_part", "dead_part"]
+    probe = GroundAction("probe", ("tech1", "fuse", "hum"))
+    assert probe in set(laws.ground_actions("probe"))
+    assert not laws.possible(probe, {})
+    assert laws.possible(probe, {"opened(fuse)": True})
+
+
+def test_an_interrupted_log_goes_on_and_a_torn_line_is_dropped(tmp_path):
+    path = tmp_path / "attempts.jsonl"
+    attempt = Attempt("a", ("x",), True, "good", (Observed("f", True, False),), 1.5, 2.0)
+    log = AttemptLog(path, {"seed": 1})
+    log.add(attempt)
+    log.close()
+    with path.open("a") as file:
+        file.write('{"action": "a", "argum')
+    again = AttemptLog(path, {"seed": 1})
+    assert again.attempts == [attempt] and again.dropped
+    again.add(attempt)
+    again.close()
+    assert read_attempts(path) == [attempt, attempt]
+
+
+def test_bad_logs_are_named_with_their_line(tmp_path):
+    path = tmp_path / "attempts.jsonl"
+    AttemptLog(path, {"seed": 1}).close()
+    with pytest.raises(Kr3Error, match="about"):
+        AttemptLog(path, {"seed": 2})
+    path.write_text('{"about": {"seed": 1}}\n{"action": "a"}\n')
+    with pytest.raises(Kr3Error, match=r"attempts.jsonl:2: not an attempt"):
+        AttemptLog(path, {"seed": 1})
+    path.write_text('{"about": {"seed": 1}}\nnonsense\n{}\n')
+    with pytest.raises(Kr3Error, match=r"attempts.jsonl:2: not JSON"):
+        AttemptLog(path, {"seed": 1})
+    path.write_text(
+        '{"about": {"seed": 1}}\n'
+        '{"action": "a", "arguments": [], "possible": true, "outcome": "", "observed": [], "duration_s": -1}\n'
+    )
+    with pytest.raises(Kr3Error, match="duration_s is -1"):
+        read_attempts(path)
+    with pytest.raises(Kr3Error, match="nowhere"):
+        read_attempts(tmp_path / "nowhere.jsonl")
+
+
+def test_durations_are_a_line_over_metres():
+    exact = Durations([(float(x), 2.0 + 1.5 * x) for x in range(10)])
+    base, slope, deviation = exact.line(True)
+    assert (base, slope, deviation) == (
+        pytest.approx(2.0),
+        pytest.approx(1.5),
+        pytest.approx(0.0, abs=1e-9),
+    )
+    base, slope, _ = Durations([(1.0, 1.0), (2.0, 3.0)]).line(True)
+    assert base == 0.0 and slope > 0.0
+    with pytest.raises(Kr3Error):
+        Durations().line(False)
+
+
+def test_the_models_file_says_what_was_learned_and_keeps_the_rest(lesson, tmp_path):
+    laws = lesson.laws(PARTS)
+    run(lesson, tmp_path, 8, 60)
+    attempts = [a for a in read_attempts(tmp_path / "attempts8.jsonl") if a.action != "grasp"]
+    output = tmp_path / "models.yaml"
+    lines = conclude(lesson, laws, attempts, output, ["A test."], True)
+    assert any("yes where it is not" in line for line in lines)
+    models = yaml.safe_load(output.read_text())
+    by_name = {action_name(key, output)[0]: entry for key, entry in models["actions"].items()}
+    assert by_name["grasp"] == lesson.entries["grasp"]  # not tried
+    move = by_name["move"]["outcomes"]
+    assert sum(move["probabilities"].values()) == pytest.approx(1.0, abs=1e-9)
+    assert move["source"] == "learned" and sum(move["counts"].values()) >= 60
+    assert by_name["move"]["observations"] == lesson.entries["move"]["observations"]
+    assert by_name["move"]["cost"]["distance"] == lesson.entries["move"]["cost"]["distance"]
+    assert by_name["move"]["cost"]["counts"]["impossible"] == 0
+    classes = {tuple(item["for"].items())[0] for item in by_name["search"]["classes"]}
+    assert classes <= {("O", "textbook"), ("O", "printer"), ("O", "kitchenware")} and classes
+    assert models["rewards"] == lesson.models["rewards"]
+
+
+def test_outcomes_sum_to_one_whatever_the_counts():
+    for counts in (
+        {"a": 1, "b": 1, "c": 1},
+        {"a": 0, "b": 7, "c": 0},
+        {"a": 333, "b": 333, "c": 334},
+    ):
+        assert sum(outcomes_of(counts)["probabilities"].values()) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_nothing_learned_is_an_error_and_changes_nothing(lesson, tmp_path):
+    with pytest.raises(Kr3Error, match="no attempts"):
+        conclude(lesson, lesson.laws(PARTS), [], tmp_path / "models.yaml", [], False)
+    assert not (tmp_path / "models.yaml").exists()
+    assert learned(lesson.models, {}, OFFICE / "models.yaml")["actions"] == lesson.models["actions"]
+
+
+def test_a_person_can_say_what_was_true(lesson, tmp_path):
+    look = {"action": "search", "arguments": ["rob1", "office_c0", "tb1"], "duration_s": 7.0}
+    lines = [
+        {**look, "image": f"{i}.jpg", "outcome": o}
+        for i, o in enumerate(("found", "not_found", "found"))
+    ]
+    (tmp_path / "looks.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    images = [
+        {"image": "0.jpg", "objects": [{"name": "tb1", "box": [1, 2, 3, 4]}]},
+        {"image": "1.jpg", "objects": [{"name": "tb1", "box": [1, 2, 3, 4]}]},
+        {"image": "2.jpg", "objects": [{"name": "mug1", "box": [1, 2, 3, 4]}]},
+    ]
+    (tmp_path / "labels.json").write_text(json.dumps({"images": images}))
+    sensor = count(attempts_from_labels(tmp_path, lesson), {})["search"].sensors["loc"]
+    assert (sensor.true_positive, sensor.false_negative, sensor.false_positive) == (1, 1, 1)
+
+
+@pytest.mark.parametrize(
+    "labels, words",
+    [
+        ("{", "not JSON"),
+        ("{}", "'images'"),
+        ('{"images": [{"image": "0.jpg"}]}', "image 0"),
+        (
+            '{"images": [{"image": "0.jpg", "objects": [{"name": "x", "box": [1, 2, 0, 4]}]}]}',
+            "no area",
+        ),
+        ('{"images": []}', "no entry for 0.jpg"),
+    ],
+)
+def test_bad_labels_are_named(lesson, tmp_path, labels, words):
+    look = {
+        "image": "0.jpg",
+        "action": "search",
+        "arguments": ["rob1", "c", "tb1"],
+        "outcome": "found",
+        "duration_s": 1,
+    }
+    (tmp_path / "looks.jsonl").write_text(json.dumps(look) + "\n")
+    (tmp_path / "labels.json").write_text(labels)
+    with pytest.raises(Kr3Error, match=words):
+        attempts_from_labels(tmp_path, lesson)
+
+
+def test_ground_truth_becomes_fluents():
+    truth = Truth(OFFICE / "learning.yaml")
+    cells = [CellArea("a", "x", (1.0, 1.0), (2.0, 2.0)), CellArea("b", "x", (3.0, 1.0), (2.0, 2.0))]
+    state = truth.state(Snapshot({"rob1": (0.5, 1.0), "tb1": (3.9, 1.9)}, "tb1"), cells)
+    assert state == {
+        "loc(rob1)": "a",
+        "loc(tb1)": "b",
+        "in_hand(rob1, tb1)": True,
+    }
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "robot: r",
+        "robot: r\ntruth: {}",
+        "robot: r\ntruth: {loc: {cell_of: X}}",
+        "truth: [",
+        "robot: r\ntruth: {loc(X): {inside: X}}",
+    ],
+)
+def test_a_bad_learning_file_is_named(tmp_path, text):
+    path = tmp_path / "learning.yaml"
+    path.write_text(text)
+    with pytest.raises(Kr3Error, match="learning.yaml"):
+        Truth(path)
