@@ -8,6 +8,7 @@
 
 #include <kr3_common/error.hpp>
 
+#include "kr3_sim_ode/placement.hpp"
 #include "yaml_reader.hpp"
 
 namespace kr3::sim
@@ -15,7 +16,57 @@ namespace kr3::sim
 
 namespace
 {
-constexpr double kTolerance = 1e-6;  // m; coordinates in a file are typed by people
+constexpr double kTolerance = 1e-6;      // m; coordinates in a file are typed by people
+constexpr double kFarthest = 10e3;       // m, from the origin
+constexpr double kThickestWall = 1.0;    // m
+constexpr double kHighestWall = 20.0;    // m
+constexpr double kStartClearance = 0.2;  // m, half of the robot's length
+
+/// The part of a door's border, from its middle to either side, that two places share.
+double sharedHalfWidth(const Rectangle& a, const Rectangle& b, const Door& door)
+{
+  const double x = std::min({door.x - std::max(a.x0, b.x0), std::min(a.x1, b.x1) - door.x});
+  const double y = std::min({door.y - std::max(a.y0, b.y0), std::min(a.y1, b.y1) - door.y});
+  return std::max(x, y);
+}
+
+/// @throws InvalidArgument  a place that no sequence of doors joins with the first one
+void checkDoorsLeadEverywhere(const YamlReader& yaml, const Building& building)
+{
+  std::set<std::string> reached{building.places.front().name};
+  for (bool grew = true; grew;)
+  {
+    grew = false;
+    for (const Door& door : building.doors)
+    {
+      if (reached.count(door.place_a) != reached.count(door.place_b))
+      {
+        reached.insert({door.place_a, door.place_b});
+        grew = true;
+      }
+    }
+  }
+  for (std::size_t i = 0; i < building.places.size(); ++i)
+  {
+    if (reached.count(building.places[i].name) == 0)
+    {
+      yaml.fail(yaml.root()["places"][i], "no doors lead from '" + building.places.front().name +
+                                              "' to '" + building.places[i].name + "'");
+    }
+  }
+}
+
+/// Whether the whole footprint lies in the rectangle.
+bool isInside(const Furniture& furniture, const Rectangle& r)
+{
+  constexpr double kMargin = 1e-3;  // m
+  const double c = std::abs(std::cos(furniture.pose.yaw));
+  const double s = std::abs(std::sin(furniture.pose.yaw));
+  const double half_x = (c * furniture.size.x + s * furniture.size.y) / 2.0 - kMargin;
+  const double half_y = (s * furniture.size.x + c * furniture.size.y) / 2.0 - kMargin;
+  return furniture.pose.x - half_x >= r.x0 && furniture.pose.x + half_x <= r.x1 &&
+         furniture.pose.y - half_y >= r.y0 && furniture.pose.y + half_y <= r.y1;
+}
 
 /// Whether (x, y) lies on the border of the rectangle.
 bool onBorder(const Rectangle& r, double x, double y)
@@ -53,6 +104,10 @@ void readPlaces(const YamlReader& yaml, Building& building)
     if (r[2] - r[0] < kTolerance || r[3] - r[1] < kTolerance)
     {
       yaml.fail(node["rectangle"], "'rectangle' must be [x0, y0, x1, y1] with x0 < x1 and y0 < y1");
+    }
+    if (std::any_of(r.begin(), r.end(), [](double v) { return std::abs(v) > kFarthest; }))
+    {
+      yaml.fail(node["rectangle"], "'rectangle' must be within 10 km of the origin");
     }
     for (const Place& other : building.places)
     {
@@ -112,6 +167,14 @@ void readDoors(const YamlReader& yaml, Building& building)
       yaml.fail(node["center"], "'center' must lie on the wall between '" + door.place_a +
                                     "' and '" + door.place_b + "'");
     }
+    const double half_width = sharedHalfWidth(building.place(door.place_a).rectangle,
+                                              building.place(door.place_b).rectangle, door);
+    if (door.place_a == door.place_b || door.width_m / 2.0 > half_width + kTolerance)
+    {
+      yaml.fail(node["width"], "the door between '" + door.place_a + "' and '" + door.place_b +
+                                   "' is wider than their wall lets it be there, " +
+                                   std::to_string(std::max(0.0, 2.0 * half_width)) + " m");
+    }
     building.doors.push_back(door);
   }
 }
@@ -146,6 +209,11 @@ void readFurniture(const YamlReader& yaml, Building& building)
       yaml.fail(node["pose"],
                 "furniture '" + furniture.name + "' is not in '" + furniture.place + "'");
     }
+    if (!isInside(furniture, building.place(furniture.place).rectangle))
+    {
+      yaml.fail(node["pose"],
+                "furniture '" + furniture.name + "' reaches out of '" + furniture.place + "'");
+    }
     furniture.texture = yaml.file(node, "texture");
     building.furniture.push_back(furniture);
   }
@@ -173,13 +241,16 @@ void readObjects(const YamlReader& yaml, Building& building)
 
 const Place& Building::place(const std::string& place_name) const
 {
+  const auto found = std::find_if(places.begin(), places.end(), [&](const Place& candidate) {
+    return candidate.name == place_name;
+  });
+  if (found != places.end())
+  {
+    return *found;
+  }
   std::vector<std::string> names;
   for (const Place& place : places)
   {
-    if (place.name == place_name)
-    {
-      return place;
-    }
     names.push_back(place.name);
   }
   throw NotFound("unknown place '" + place_name + "', expected one of: " + joined(names));
@@ -218,6 +289,10 @@ Building loadBuilding(const std::string& path)
   yaml.checkMap(walls, "'walls'", {"height", "thickness", "texture"});
   building.wall_height_m = yaml.positive(walls, "height");
   building.wall_thickness_m = yaml.positive(walls, "thickness");
+  if (building.wall_height_m > kHighestWall || building.wall_thickness_m > kThickestWall)
+  {
+    yaml.fail(walls, "'walls' must be at most 20 m high and 1 m thick");
+  }
   building.wall_texture = yaml.file(walls, "texture");
   const YAML::Node floor = yaml.child(yaml.root(), "floor");
   yaml.checkMap(floor, "'floor'", {"texture"});
@@ -225,6 +300,7 @@ Building loadBuilding(const std::string& path)
 
   readPlaces(yaml, building);
   readDoors(yaml, building);
+  checkDoorsLeadEverywhere(yaml, building);
   readFurniture(yaml, building);
   readObjects(yaml, building);
 
@@ -235,6 +311,10 @@ Building loadBuilding(const std::string& path)
   if (building.placeAt(start[0], start[1]) == nullptr)
   {
     yaml.fail(robot["start"], "the robot's start is in no place");
+  }
+  if (Obstacles(building).clearance(start[0], start[1], kStartClearance) < kStartClearance)
+  {
+    yaml.fail(robot["start"], "the robot's start is inside of a wall or of furniture");
   }
   return building;
 }

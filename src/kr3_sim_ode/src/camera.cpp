@@ -6,6 +6,7 @@
 #include <string>
 
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <osg/Geode>
 #include <osg/Group>
 #include <osg/Light>
@@ -17,6 +18,7 @@
 
 #include "egl_context.hpp"
 #include "kr3_sim_ode/random.hpp"
+#include "lens.hpp"
 #include "scene_geometry.hpp"
 
 namespace kr3::sim
@@ -78,12 +80,13 @@ class Renderer::Impl
 {
 public:
   Impl(const Building& building, std::vector<ObjectModel> models, const CameraModel& camera)
-    : context_(camera.width, camera.height)
+    : lens_(camera)
+    , context_(lens_.sourceWidth(), lens_.sourceHeight())
     , building_(building)
     , models_(std::move(models))
     , root_(new osg::Group)
     , light_source_(new osg::LightSource)
-    , capture_(new Capture(camera.width, camera.height))
+    , capture_(new Capture(lens_.sourceWidth(), lens_.sourceHeight()))
   {
     root_->addChild(light_source_);
     osg::StateSet& state = *root_->getOrCreateStateSet();
@@ -98,13 +101,13 @@ public:
     setLight(0);
 
     viewer_.setThreadingModel(osgViewer::Viewer::SingleThreaded);
-    viewer_.setUpViewerAsEmbeddedInWindow(0, 0, camera.width, camera.height);
+    viewer_.setUpViewerAsEmbeddedInWindow(0, 0, lens_.sourceWidth(), lens_.sourceHeight());
     viewer_.setSceneData(root_);
     viewer_.setLightingMode(osg::View::NO_LIGHT);
     osg::Camera& view = *viewer_.getCamera();
-    view.setViewport(0, 0, camera.width, camera.height);
-    const double right = kNear * std::tan(camera.horizontal_fov_rad / 2.0);
-    const double top = right * camera.height / camera.width;
+    view.setViewport(0, 0, lens_.sourceWidth(), lens_.sourceHeight());
+    const double right = kNear * lens_.sourceWidth() / 2.0 / camera.focalLengthPixels();
+    const double top = kNear * lens_.sourceHeight() / 2.0 / camera.focalLengthPixels();
     view.setProjectionMatrixAsFrustum(-right, right, -top, top, kNear, kFar);
     view.setComputeNearFarMode(osg::CullSettings::DO_NOT_COMPUTE_NEAR_FAR);
     view.setFinalDrawCallback(capture_);
@@ -156,7 +159,7 @@ public:
       state.setMode(GL_LIGHTING, osg::StateAttribute::ON);
       state.removeTextureMode(0, GL_TEXTURE_2D);
     }
-    return capture_->upright();
+    return lens_.bent(capture_->upright(), as_mask ? cv::INTER_NEAREST : cv::INTER_LINEAR);
   }
 
 private:
@@ -237,7 +240,8 @@ private:
     light.setSpecular({0, 0, 0, 1});
   }
 
-  EglContext context_;  // first: everything below needs it, also while it is destroyed
+  Lens lens_;
+  EglContext context_;  // everything below needs it, also while it is destroyed
   Building building_;
   std::vector<ObjectModel> models_;
   std::map<std::string, osg::ref_ptr<osg::Texture2D>> textures_;

@@ -84,7 +84,12 @@ Pose freeSurfacePose(const Building& building, const std::string& place, const O
       total_width += furniture.size.y;
     }
   }
-  for (int attempt = 0; attempt < kAttempts && !surfaces.empty(); ++attempt)
+  if (surfaces.empty())
+  {
+    throw FailedPrecondition("'" + model.name + "', " + std::to_string(2.0 * radius) +
+                             " m across, is too large for the furniture of '" + place + "'");
+  }
+  for (int attempt = 0; attempt < kAttempts; ++attempt)
   {
     double along = uniform(generator, 0.0, total_width);
     std::size_t index = 0;

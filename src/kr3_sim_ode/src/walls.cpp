@@ -95,6 +95,16 @@ std::vector<Box> wallsOf(const Building& building)
     lines[lineAt(Axis::kY, r.x1)].push_back({r.y0, r.y1});
   }
 
+  std::map<Line, std::vector<Interval>> openings;
+  for (const Door& door : building.doors)
+  {
+    const Rectangle& r = building.place(door.place_a).rectangle;
+    const bool along_x = std::abs(door.y - r.y0) < 1e-6 || std::abs(door.y - r.y1) < 1e-6;
+    const double middle = along_x ? door.x : door.y;
+    openings[lineAt(along_x ? Axis::kX : Axis::kY, along_x ? door.y : door.x)].push_back(
+        {middle - door.width_m / 2.0, middle + door.width_m / 2.0});
+  }
+
   // Walls reach half a thickness into their neighbours at corners, less a millimetre, so that no
   // two visible faces lie in one plane.
   const double reach = building.wall_thickness_m / 2.0 - 0.001;
@@ -102,18 +112,9 @@ std::vector<Box> wallsOf(const Building& building)
   for (const auto& [line, raw_intervals] : lines)
   {
     std::vector<Interval> intervals = merged(raw_intervals);
-    for (const Door& door : building.doors)
+    for (const Interval& opening : openings[line])
     {
-      const Rectangle& r = building.place(door.place_a).rectangle;
-      const bool along_x = std::abs(door.y - r.y0) < 1e-6 || std::abs(door.y - r.y1) < 1e-6;
-      const Axis axis = along_x ? Axis::kX : Axis::kY;
-      const Line door_line = lineAt(axis, along_x ? door.y : door.x);
-      if (!(door_line < line) && !(line < door_line))
-      {
-        const double middle = along_x ? door.x : door.y;
-        intervals =
-            withOpening(intervals, middle - door.width_m / 2.0, middle + door.width_m / 2.0);
-      }
+      intervals = withOpening(intervals, opening.from, opening.to);
     }
     const double offset = static_cast<double>(line.offset_um) * 1e-6;
     for (const Interval& interval : intervals)

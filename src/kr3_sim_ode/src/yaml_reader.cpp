@@ -1,5 +1,6 @@
 #include "yaml_reader.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -20,9 +21,9 @@ YAML::Node parsed(const std::string& path)
   {
     throw Unavailable("cannot open '" + path + "'");
   }
-  catch (const YAML::ParserException& e)
+  catch (const YAML::Exception& e)
   {
-    throw InvalidArgument(path + ":" + std::to_string(e.mark.line + 1) + ": " + e.msg);
+    throw InvalidArgument(path + ":" + std::to_string(std::max(e.mark.line, 0) + 1) + ": " + e.msg);
   }
 }
 }  // namespace
@@ -31,7 +32,8 @@ YamlReader::YamlReader(const std::string& path) : path_(path), root_(parsed(path
 
 void YamlReader::fail(const YAML::Node& node, const std::string& message) const
 {
-  throw InvalidArgument(path_ + ":" + std::to_string(node.Mark().line + 1) + ": " + message);
+  throw InvalidArgument(path_ + ":" + std::to_string(std::max(node.Mark().line, 0) + 1) + ": " +
+                        message);
 }
 
 void YamlReader::checkMap(const YAML::Node& node, const std::string& what,

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -109,6 +110,102 @@ TEST(Building, RefusesAMissingTextureAndAMissingKey)
   expectError("thickness: 0.1, texture: plain.png", "thickness: 0.1, texture: none.png", "3",
               "there is no file");
   expectError("thickness: 0.1, ", "", "3", "'thickness' is missing");
+}
+
+TEST(Building, RefusesADoorWiderThanItsWall)
+{
+  expectError("width: 1.0", "width: 4.2", "9", "is wider than their wall lets it be there, 4.0");
+}
+
+TEST(Building, RefusesAPlaceWithoutADoor)
+{
+  expectError("doors:\n  - {between: [left, right], center: [4.0, 2.0], width: 1.0}\n", "", "7",
+              "no doors lead from 'left' to 'right'");
+}
+
+TEST(Building, RefusesFurnitureThatReachesThroughAWall)
+{
+  expectError("pose: [2.0, 0.35", "pose: [2.0, 0.25", "11", "reaches out of 'left'");
+}
+
+TEST(Building, RefusesAStartInsideOfFurniture)
+{
+  expectError("start: [1.0, 2.0, 0.0]", "start: [2.0, 0.4, 0.0]", "13", "inside of a wall or of");
+}
+
+TEST(Building, RefusesCoordinatesThatAreNoBuilding)
+{
+  expectError("[4.0, 0.0, 8.0, 4.0]", "[4.0, 0.0, 1.0e+300, 4.0]", "7", "within 10 km");
+  expectError("height: 2.0", "height: 2000.0", "3", "at most 20 m high");
+}
+
+TEST(Building, SurvivesAnythingThatIsInAFile)
+{
+  std::ifstream original(kData + "two_rooms.yaml");
+  const std::string text((std::istreambuf_iterator<char>(original)), {});
+  const std::string path = brokenBuilding("name", "name");
+  std::mt19937 random(1);
+  const std::string pieces = "{}[]:,-#&*!|>'\"%@`\n\t 0123456789.eE+x~?";
+  const auto below = [&](std::size_t count) {
+    return std::uniform_int_distribution<std::size_t>(0, count - 1)(random);
+  };
+  int loaded = 0;
+  for (int i = 0; i < 600; ++i)
+  {
+    std::string mutated = text;
+    const std::size_t count = 1 + below(3);
+    for (std::size_t k = 0; k < count; ++k)
+    {
+      const std::size_t at = below(mutated.size());
+      switch (below(3))
+      {
+        case 0:
+          mutated[at] = pieces[below(pieces.size())];
+          break;
+        case 1:
+          mutated.erase(at, 1 + below(20));
+          break;
+        default:
+          mutated.insert(at, text.substr(below(text.size()), below(20)));
+      }
+    }
+    std::ofstream(path) << mutated;
+    try
+    {
+      (void)wallsOf(loadBuilding(path));
+      ++loaded;
+    }
+    catch (const InvalidArgument& e)
+    {
+      EXPECT_NE(std::string(e.what()).find("building.yaml:"), std::string::npos) << e.what();
+    }
+  }
+  EXPECT_GT(loaded, 40) << "comments and numbers were changed as well";
+}
+
+TEST(Building, LoadsAThousandRooms)
+{
+  std::string text =
+      "name: long\nwalls: {height: 2.0, thickness: 0.1, texture: plain.png}\n"
+      "floor: {texture: plain.png}\nplaces:\n";
+  std::string doors = "doors:\n";
+  for (int i = 0; i < 1000; ++i)
+  {
+    const std::string x0 = std::to_string(4 * i);
+    text += "  - {name: r" + std::to_string(i) + ", rectangle: [" + x0 + ", 0, " +
+            std::to_string(4 * i + 4) + ", 4]}\n";
+    if (i > 0)
+    {
+      doors += "  - {between: [r" + std::to_string(i - 1) + ", r" + std::to_string(i) +
+               "], center: [" + x0 + ", 2], width: 1}\n";
+    }
+  }
+  const std::string path = brokenBuilding("name", "name");
+  std::ofstream(path) << text + doors + "robot: {start: [2, 2, 0]}\n";
+  const Building building = loadBuilding(path);
+  EXPECT_EQ(building.places.size(), 1000U);
+  // Two long walls; between rooms two parts each; two ends.
+  EXPECT_EQ(wallsOf(building).size(), 2U + 2U * 999U + 2U);
 }
 
 TEST(Building, SaysThatAFileCannotBeOpened)

@@ -1,12 +1,16 @@
 #include "kr3_sim_ode/camera.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
+#include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include <kr3_common/error.hpp>
 
 #include "kr3_sim_ode/robot.hpp"
 
@@ -51,6 +55,51 @@ TEST_F(Camera, ShowsAnObjectWhereProjectionSays)
   const cv::Scalar center = cv::mean(seen);
   EXPECT_NEAR(center[0], 159.5 - f * left / depth, 3.0);
   EXPECT_NEAR(center[1], 119.5 + f * down / depth, 4.0);
+}
+
+TEST_F(Camera, BendsThePictureAsKAndDSay)
+{
+  camera.distortion = {-0.25, 0.06, 0.002, -0.001, 0.0};
+  ObjectModel dot = models.front();
+  dot.name = "dot";
+  dot.shape = Shape::kBox;
+  dot.size = {0.03, 0.03, 0.03};
+  Renderer bending(building, {dot}, camera);
+  const double f = camera.focalLengthPixels();
+  const cv::Matx33d K(f, 0, (camera.width - 1) / 2.0, 0, f, (camera.height - 1) / 2.0, 0, 0, 1);
+  const std::vector<double> D(camera.distortion.begin(), camera.distortion.end());
+  double greatest_shift = 0.0;
+  for (const double right : {-0.62, -0.3, 0.0, 0.35, 0.6})
+  {
+    for (const double down : {-0.45, 0.0, 0.42})
+    {
+      const double depth = 1.0;
+      // Camera link: x forward, y left, z up; optical: x right, y down, z forward.
+      const Pose T_camera_dot{{depth, -right * depth, -down * depth}, {}};
+      const cv::Mat mask =
+          bending.mask(T_world_camera, {{"dot", "dot", T_world_camera * T_camera_dot}});
+      cv::Mat seen;
+      cv::findNonZero(mask, seen);
+      ASSERT_GT(seen.total(), 6U) << right << " " << down;
+      std::vector<cv::Point2d> bent;
+      const std::vector<cv::Point3d> points{{right * depth, down * depth, depth}};
+      cv::projectPoints(points, cv::Vec3d(), cv::Vec3d(), K, D, bent);
+      const cv::Scalar center = cv::mean(seen);
+      EXPECT_NEAR(center[0], bent[0].x, 0.8) << right << " " << down;
+      EXPECT_NEAR(center[1], bent[0].y, 0.8) << right << " " << down;
+      greatest_shift = std::max(greatest_shift, std::hypot(bent[0].x - K(0, 2) - f * right,
+                                                           bent[0].y - K(1, 2) - f * down));
+    }
+  }
+  EXPECT_GT(greatest_shift, 15.0) << "the test must be able to fail";
+}
+
+TEST_F(Camera, RefusesALensThatFoldsThePicture)
+{
+  camera.distortion = {-3.0, 0.0, 0.0, 0.0, 0.0};
+  EXPECT_THROW(Renderer(building, models, camera), InvalidArgument);
+  camera.distortion = {std::nan(""), 0.0, 0.0, 0.0, 0.0};
+  EXPECT_THROW(Renderer(building, models, camera), InvalidArgument);
 }
 
 TEST_F(Camera, IsRepeatableAndNotBlack)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <random>
@@ -14,12 +15,14 @@
 namespace kr3::sim
 {
 
-/// An ideal pinhole camera: square pixels, principal point in the middle, no distortion.
+/// A camera with square pixels and the principal point in the middle.
 struct CameraModel
 {
   int width = 640;
   int height = 480;
-  double horizontal_fov_rad = 1.22;
+  double horizontal_fov_rad = 1.22;  ///< without the distortion
+  /// Of the lens, plumb-bob model: k1, k2, p1, p2, k3, as in CameraInfo's D.
+  std::array<double, 5> distortion{};
 
   [[nodiscard]] double focalLengthPixels() const;
 };
@@ -39,7 +42,7 @@ class Renderer
 {
 public:
   /// @throws Unavailable      no EGL context can be had
-  /// @throws InvalidArgument  a texture cannot be read
+  /// @throws InvalidArgument  a texture cannot be read, or the lens cannot be simulated
   Renderer(const Building& building, std::vector<ObjectModel> models, const CameraModel& camera);
   ~Renderer();
   Renderer(const Renderer&) = delete;

@@ -110,7 +110,7 @@ sensor_msgs::CameraInfo toCameraInfo(const ros::Time& stamp, const CameraModel& 
   msg.height = static_cast<std::uint32_t>(camera.height);
   msg.width = static_cast<std::uint32_t>(camera.width);
   msg.distortion_model = "plumb_bob";
-  msg.D.assign(5, 0.0);
+  msg.D.assign(camera.distortion.begin(), camera.distortion.end());
   const double f = camera.focalLengthPixels();
   const double u = (camera.width - 1) / 2.0;  // pixel centres have whole coordinates
   const double v = (camera.height - 1) / 2.0;

@@ -1,6 +1,8 @@
 #include "sim_node_config.hpp"
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include <kr3_common/ros/param_reader.hpp>
 
@@ -37,6 +39,14 @@ SimNodeConfig loadSimNodeConfig(const ros::NodeHandle& private_nh)
   whole("camera_width", config.camera.width, 16, 4096);
   whole("camera_height", config.camera.height, 16, 4096);
   number("camera_hfov", config.camera.horizontal_fov_rad, 0.1, 3.0);
+  const std::vector<double> distortion =
+      params.get("camera_distortion", std::vector<double>(config.camera.distortion.size(), 0.0));
+  const bool has_five = distortion.size() == config.camera.distortion.size();
+  params.check(has_five, "camera_distortion", "must be 5 numbers: k1, k2, p1, p2, k3");
+  if (has_five)
+  {
+    std::copy(distortion.begin(), distortion.end(), config.camera.distortion.begin());
+  }
   number("camera_rate", config.camera_rate_hz, 0.1, 100.0);
   number("camera_pitch", world.robot.camera_pitch_rad, -1.5, 1.5);
   number("camera_exposure_stddev", config.camera_noise.exposure_stddev, 0.0, 0.5);
