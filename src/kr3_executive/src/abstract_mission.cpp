@@ -191,7 +191,8 @@ TrialResult AbstractMissions::run(const MissionSetup& setup, MissionObserver& ob
   }
   LowLevelExecutor& acting = between ? *between : world;
   RecordWitness witness(observer, domain_->highLevel(), world, setup.limits.threshold);
-  InProcessReasoner reasoner(descriptionFor(config_.method, domain_->highLevel()), config_.plan);
+  InProcessReasoner reasoner(descriptionFor(config_.method, domain_->highLevel()), config_.plan,
+                             {{}, config_.driver.history_window});
   const auto mission = makeMission(config_.method,
                                    {*domain_, models_, narrator, reasoner, policies_, acting,
                                     witness, [&world] { return world.now(); }, config_.driver},

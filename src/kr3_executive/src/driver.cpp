@@ -52,12 +52,25 @@ MissionResult MissionDriver::achieve(const std::string& goal,
 
   if (state_.phase != Phase::kIdle)
     state_ = {};
+  std::optional<ReasonerSettings> settings;
+  int summed_up = 0;
+  try
+  {
+    settings = reasoner_.settings();
+    summed_up = sumUpHistory();
+  }
+  catch (const Error& e)  // the reasoner does not answer
+  {
+    return {e.code(), false, e.what()};
+  }
   GoalGiven given{goal, limits, {}, currentStep(knowledge_.history)};
   if (knowledge_.history.empty())
     given.records = initial;
   running_ = true;
-  note(MissionBegun{goal, initial, limits, time_limit_s, config_, knowledge_});
+  note(MissionBegun{goal, initial, limits, time_limit_s, config_, knowledge_, settings});
   apply(given);
+  if (summed_up > 0)
+    report(EventKind::kRecord, narrator_.summedUp(summed_up, knowledge_.history.size()));
   while (state_.phase != Phase::kFinished)
   {
     std::optional<Event> event = interruption();
@@ -168,8 +181,8 @@ void MissionDriver::apply(const Event& event)
 
 Event MissionDriver::perform(const Decision& decision)
 {
-  if (std::holds_alternative<RequestPlan>(decision))
-    return performPlan();
+  if (const auto* request = std::get_if<RequestPlan>(&decision))
+    return performPlan(*request);
   if (const auto* request = std::get_if<RequestPolicy>(&decision))
     return performPolicy(*request);
   if (std::holds_alternative<ExecutePolicyAction>(decision))

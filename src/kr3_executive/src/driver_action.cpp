@@ -36,18 +36,20 @@ Event MissionDriver::performPolicy(const RequestPolicy& request)
   catch (const FailedPrecondition& e)
   {
     report(EventKind::kPolicy, {"no policy for " + request.action + ": " + e.what()});
-    return ActionImpossible{e.what()};
+    return ActionImpossible{e.what(), situationOf(request.action)};
   }
   const SolvedPolicy policy = solvePolicy(request.action);
   report(EventKind::kPolicy, narrator_.policy(request.action, policy, task_->pomdp()));
-  return PolicyReady{task_->assess()};
+  return PolicyReady{task_->assess(), situationOf(request.action)};
 }
 
 SolvedPolicy MissionDriver::solvePolicy(const std::string& action)
 {
   const SolvedPolicy policy = policies_.solve(task_->pomdp().model(), config_.budget, cancel_);
   policy_id_ = policy.id;
-  note(reported(action, policy, task_->belief()));
+  ReportedDecision decision = reported(action, policy, task_->belief());
+  decision.cut_short = policy.isCutShort(config_.budget);
+  note(std::move(decision));
   return policy;
 }
 
@@ -71,7 +73,16 @@ Event MissionDriver::performAction()
   const LowLevelAction action = task_->action(index);
   ll_action_ = action.text;
   publish();
-  const LowLevelResult result = execute(action);
+  LowLevelResult result;
+  try
+  {
+    result = execute(action);
+  }
+  catch (const FailedPrecondition& e)  // the robot is not as the belief has it
+  {
+    ll_action_.clear();
+    return TaskLost{action.text + " was refused: " + e.what(), assessed()};
+  }
   ll_action_.clear();
   const bool explained = task_->update(index, result.observation, result.confidence);
   const std::vector<std::string> ignored = takeInSightings(result.sightings);

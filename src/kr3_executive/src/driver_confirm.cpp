@@ -69,7 +69,7 @@ std::vector<CostedPlan> MissionDriver::plansToConfirmGoal()
   const std::string contradicted = reasoner::toString(contrary(doubt.literal), domain_.highLevel());
   const std::string fluent = reasoner::toString(doubt.literal.atom);
   std::vector<CostedPlan> plans;
-  for (const auto& found : reasoner_.plan(contradicted, cancel_).plans)
+  for (const auto& found : reasoner_.plan(contradicted, 1, cancel_).plans)
   {
     CostedPlan plan{serialised(found), 0.0, reasoner::toString(doubt.literal, domain_.highLevel()),
                     doubt.reason};

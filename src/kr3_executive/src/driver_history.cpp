@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "kr3_executive/driver.hpp"
+#include "kr3_executive/history_summary.hpp"
 #include "literal_text.hpp"
 #include "mission_inputs.hpp"
 
@@ -19,6 +20,24 @@ using reasoner::RecordKind;
 bool isAction(const Record& record)
 {
   return record.kind == RecordKind::kHappened || record.kind == RecordKind::kAttempted;
+}
+
+/// Of the last observation before a step that gave a literal its truth; 1 when none did.
+double lastConfidence(const std::vector<Record>& history, const std::string& literal, int step)
+{
+  const LiteralText asked = takeApart(literal);
+  double confidence = 1.0;
+  for (const auto& record : history)
+  {
+    if (isAction(record) || record.step >= step)
+      continue;
+    const LiteralText seen = takeApart(record.statement);
+    const bool told = seen.isBoolean() ? record.value == (asked.value == "true")
+                                       : record.value && seen.value == asked.value;
+    if (seen.fluent() == asked.fluent() && told)
+      confidence = record.confidence;
+  }
+  return confidence;
 }
 
 void collectConstants(const reasoner::Formula& formula, std::vector<std::string>& constants)
@@ -53,6 +72,24 @@ void MissionDriver::addToHistory(const std::vector<Record>& records)
   }
   knowledge_.history = std::move(all);
   supports_.clear();
+}
+
+int MissionDriver::sumUpHistory()
+{
+  const int window = static_cast<int>(config_.history_window);
+  const int now = currentStep(knowledge_.history);
+  if (window == 0 || now <= window + window / 2)
+    return 0;
+  const int first_step = now - window;
+  auto shorter =
+      summarised(knowledge_.history, first_step, reasoner_, [&](const std::string& literal) {
+        return lastConfidence(knowledge_.history, literal, first_step);
+      });
+  if (!shorter)
+    return 0;
+  knowledge_.history = std::move(*shorter);
+  supports_.clear();
+  return first_step;
 }
 
 bool MissionDriver::isUnexpected(const Record& record)

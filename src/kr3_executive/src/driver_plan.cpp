@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kr3_executive/driver.hpp"
+#include "kr3_executive/routes.hpp"
 #include "literal_text.hpp"
 #include "plan_steps.hpp"
 
@@ -41,9 +42,11 @@ reasoner::Plan serialised(const reasoner::Plan& plan)
   return flat;
 }
 
-Event MissionDriver::performPlan()
+Event MissionDriver::performPlan(const RequestPlan& request)
 {
-  const reasoner::PlanResult result = reasoner_.plan(state_.goal, cancel_);
+  const std::uint32_t max_plans =
+      request.alternatives ? std::max<std::uint32_t>(config_.max_alternatives, 1) : 1;
+  const reasoner::PlanResult result = reasoner_.plan(state_.goal, max_plans, cancel_);
   PlanReady event{result.goal_entailed, {}, result.reason};
   if (result.goal_entailed)
   {
@@ -53,13 +56,66 @@ Event MissionDriver::performPlan()
   else
   {
     for (const auto& found : result.plans)
-      event.plans.push_back({serialised(found), 0.0, {}, {}});
+      event.plans.push_back({serialised(found)});
     markRefuted(event.plans);
   }
+  if (!state_.failures.empty())
+    tellSituations(event.plans);
+  if (request.alternatives)
+    addDetours(event.plans);
   if (event.plans.size() > 1)
     costPlans(event.plans);
-  note(reported(event.plans));
+  // A reason although there are plans: wall time left others out.
+  note(reported(event.plans, !result.complete && !result.plans.empty() && !result.reason.empty()));
   return event;
+}
+
+void MissionDriver::tellSituations(std::vector<CostedPlan>& plans)
+{
+  std::map<std::vector<std::string>, FluentValues> states;  // by hypothesis
+  for (auto& candidate : plans)
+  {
+    const auto& hypothesis = candidate.plan.hypothesis;
+    if (states.count(hypothesis) == 0)
+      states[hypothesis] = valuesOf(believedState(hypothesis));
+    candidate.situation =
+        executive::situationOf(states[hypothesis], candidate.plan.steps.front().front());
+  }
+}
+
+void MissionDriver::addDetours(std::vector<CostedPlan>& plans)
+{
+  if (state_.detours >= state_.limits.max_detours)
+    return;
+  std::vector<CostedPlan> found;
+  std::set<std::string> tried;
+  for (const auto& direct : plans)
+  {
+    const auto& hypothesis = direct.plan.hypothesis;
+    const std::string& action = direct.plan.steps.front().front();
+    const auto inVain = [&](const FluentValues& state, const std::string& other) {
+      return state_.failuresOf(other, hypothesis, executive::situationOf(state, other)) >=
+             state_.limits.max_attempts;
+    };
+    const FluentValues now = valuesOf(believedState(hypothesis));
+    if (!inVain(now, action) || !tried.insert(attemptKey(action, hypothesis, {})).second)
+      continue;
+    for (auto& steps : detours(high_level_laws_, now, action, inVain, config_.max_alternatives))
+    {
+      CostedPlan round = direct;
+      round.detour = true;
+      steps.insert(steps.end(), direct.plan.steps.begin() + 1, direct.plan.steps.end());
+      round.plan.steps = std::move(steps);
+      round.situation = executive::situationOf(now, round.plan.steps.front().front());
+      found.push_back(std::move(round));
+    }
+  }
+  plans.insert(plans.end(), found.begin(), found.end());
+}
+
+std::string MissionDriver::situationOf(const std::string& action) const
+{
+  return executive::situationOf(valuesOf(task_state_), action);
 }
 
 void MissionDriver::costPlans(std::vector<CostedPlan>& plans)

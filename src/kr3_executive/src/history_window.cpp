@@ -25,9 +25,9 @@ void HistoryWindow::add(const std::vector<reasoner::Record>& records)
 std::optional<int> HistoryWindow::due() const
 {
   const int now = currentStep(all_);
-  if (now - first_step_ <= kSteps + kSteps / 2)
+  if (steps_ == 0 || now - first_step_ <= steps_ + steps_ / 2)
     return std::nullopt;
-  return now - kSteps;
+  return now - steps_;
 }
 
 std::vector<std::size_t> HistoryWindow::amongAll(const std::vector<std::size_t>& kept) const

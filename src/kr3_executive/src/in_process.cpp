@@ -7,9 +7,20 @@
 
 namespace kr3::executive
 {
+bool SolvedPolicy::isCutShort(const SolveBudget& budget) const
+{
+  const bool precise = upper - lower <= budget.precision;
+  const bool worked = budget.max_backups > 0 && backups >= budget.max_backups;
+  return !precise && !worked;
+}
+
 InProcessReasoner::InProcessReasoner(reasoner::Description description,
-                                     reasoner::PlanOptions options)
-  : reasoner_(std::move(description)), options_(options)
+                                     reasoner::PlanOptions options,
+                                     const ReasonerSettings& settings)
+  : reasoner_(std::move(description), settings.options)
+  , options_(std::move(options))
+  , settings_(settings)
+  , window_(settings.history_window)
 {
 }
 
@@ -78,10 +89,13 @@ std::vector<reasoner::Retraction> InProcessReasoner::retractions(const std::stri
   return found;
 }
 
-reasoner::PlanResult InProcessReasoner::plan(const std::string& goal,
+reasoner::PlanResult InProcessReasoner::plan(const std::string& goal, std::uint32_t max_plans,
                                              const std::atomic<bool>& cancel)
 {
-  return reasoner_.plan(goal, options_, &cancel);
+  reasoner::PlanOptions options = options_;
+  options.all = max_plans > 1;
+  options.max_plans = static_cast<int>(max_plans);
+  return reasoner_.plan(goal, options, &cancel);
 }
 
 InProcessPolicyServer::InProcessPolicyServer(std::shared_ptr<PolicyCache> cache)

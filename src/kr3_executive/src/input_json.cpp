@@ -7,6 +7,8 @@
 #include <kr3_common/error.hpp>
 #include <kr3_pomdp/solved_model.hpp>
 
+#include "kr3_executive/mission_recording.hpp"
+
 namespace kr3::executive
 {
 namespace
@@ -121,9 +123,13 @@ std::vector<reasoner::Record> recordsFromJson(const json& list)
 
 json toJson(const Limits& limits)
 {
-  return {{"max_hl_actions", limits.max_hl_actions}, {"max_ll_actions", limits.max_ll_actions},
-          {"max_attempts", limits.max_attempts},     {"max_reopened", limits.max_reopened},
-          {"max_rebuilds", limits.max_rebuilds},     {"threshold", limits.threshold}};
+  return {{"max_hl_actions", limits.max_hl_actions},
+          {"max_ll_actions", limits.max_ll_actions},
+          {"max_attempts", limits.max_attempts},
+          {"max_reopened", limits.max_reopened},
+          {"max_rebuilds", limits.max_rebuilds},
+          {"max_detours", limits.max_detours},
+          {"threshold", limits.threshold}};
 }
 
 Limits limitsFromJson(const json& item)
@@ -134,6 +140,9 @@ Limits limitsFromJson(const json& item)
   limits.max_attempts = countAt<std::uint32_t>(item, "max_attempts");
   limits.max_reopened = countAt<std::uint32_t>(item, "max_reopened");
   limits.max_rebuilds = countAt<std::uint32_t>(item, "max_rebuilds");
+  // Recordings of before there were detours have none.
+  limits.max_detours =
+      item.contains("max_detours") ? countAt<std::uint32_t>(item, "max_detours") : 0;
   item.at("threshold").get_to(limits.threshold);
   return limits;
 }
@@ -148,6 +157,8 @@ json toJson(const DriverConfig& config)
           {"least_hypothesis_probability", config.least_hypothesis_probability},
           {"change_probability", config.change_probability},
           {"max_skill_retries", config.max_skill_retries},
+          {"max_alternatives", config.max_alternatives},
+          {"history_window", config.history_window},
           {"explain_facts", config.explain_facts}};
 }
 
@@ -162,6 +173,10 @@ DriverConfig configFromJson(const json& item)
   item.at("least_hypothesis_probability").get_to(config.least_hypothesis_probability);
   config.max_skill_retries = countAt<std::uint32_t>(item, "max_skill_retries");
   item.at("change_probability").get_to(config.change_probability);
+  if (item.contains("max_alternatives"))
+    config.max_alternatives = countAt<std::uint32_t>(item, "max_alternatives");
+  if (item.contains("history_window"))
+    config.history_window = countAt<std::uint32_t>(item, "history_window");
   item.at("explain_facts").get_to(config.explain_facts);
   return config;
 }
@@ -183,7 +198,59 @@ LowLevelMemory memoryFromJson(const json& item)
   return memory;
 }
 
+int weightAt(const json& item, const char* field)
+{
+  const int weight = static_cast<int>(countAt<std::uint32_t>(item, field, 1000000));
+  if (weight < 1)
+    throw InvalidArgument(std::string(field) + " 0, expected at least 1");
+  return weight;
+}
+
 }  // namespace
+
+json toJson(const ReasonerSettings& settings)
+{
+  const reasoner::ReasonerOptions& options = settings.options;
+  return {{"diagnose_exogenous", options.diagnose_exogenous},
+          {"exception_weight", options.exception_weight},
+          {"exogenous_weight", options.exogenous_weight},
+          {"default_weights", options.default_weights},
+          {"max_combinations", options.max_combinations},
+          {"max_carried_explanations", options.max_carried_explanations},
+          {"history_window", settings.history_window}};
+}
+
+ReasonerSettings settingsFromJson(const json& item)
+{
+  ReasonerSettings settings;
+  reasoner::ReasonerOptions& options = settings.options;
+  item.at("diagnose_exogenous").get_to(options.diagnose_exogenous);
+  options.exception_weight = weightAt(item, "exception_weight");
+  options.exogenous_weight = weightAt(item, "exogenous_weight");
+  item.at("default_weights").get_to(options.default_weights);
+  options.max_combinations = weightAt(item, "max_combinations");
+  options.max_carried_explanations = weightAt(item, "max_carried_explanations");
+  settings.history_window = countAt<std::uint32_t>(item, "history_window");
+  return settings;
+}
+
+ReasonerSettings settingsFromText(const std::string& text, std::uint32_t history_window)
+{
+  try
+  {
+    json item = json::parse(text);
+    item["history_window"] = history_window;
+    item.emplace("default_weights", json::object());
+    item.emplace("max_carried_explanations", reasoner::ReasonerOptions{}.max_carried_explanations);
+    ReasonerSettings settings = settingsFromJson(item);
+    settings.options.window = item.at("window");
+    return settings;
+  }
+  catch (const json::exception& e)
+  {
+    throw InvalidArgument("parameters of the reasoner: " + std::string(e.what()));
+  }
+}
 
 ErrorCode codeFromJson(const json& item)
 {
@@ -274,18 +341,23 @@ json toJson(const MissionBegun& mission)
           {"limits", toJson(mission.limits)},
           {"time_limit_s", mission.time_limit_s},
           {"config", toJson(mission.config)},
+          {"reasoner", mission.reasoner ? toJson(*mission.reasoner) : json()},
           {"history", toJson(mission.knowledge.history)},
           {"memory", toJson(mission.knowledge.memory)}};
 }
 
 MissionBegun missionFromJson(const json& item)
 {
+  std::optional<ReasonerSettings> settings;
+  if (const auto found = item.find("reasoner"); found != item.end() && !found->is_null())
+    settings = settingsFromJson(*found);
   return {item.at("goal"),
           recordsFromJson(item.at("initial")),
           limitsFromJson(item.at("limits")),
           item.at("time_limit_s"),
           configFromJson(item.at("config")),
-          {recordsFromJson(item.at("history")), memoryFromJson(item.at("memory"))}};
+          {recordsFromJson(item.at("history")), memoryFromJson(item.at("memory"))},
+          settings};
 }
 
 json toJson(const SkillEnded& skill)
@@ -341,6 +413,8 @@ json toJson(const ReportedDecision& decision)
                       {"upper", decision.policy->upper},
                       {"backups", decision.policy->backups}};
   }
+  if (decision.cut_short)
+    item["cut_short"] = true;
   return item;
 }
 
@@ -355,6 +429,7 @@ ReportedDecision decisionFromJson(const json& item)
     found->at("upper").get_to(decision.policy->upper);
     found->at("backups").get_to(decision.policy->backups);
   }
+  decision.cut_short = item.value("cut_short", false);
   return decision;
 }
 

@@ -15,6 +15,9 @@ namespace kr3::executive
 /// Raised when a field changes its meaning.
 inline constexpr int kRecordingVersion = 1;
 
+[[nodiscard]] nlohmann::json toJson(const ReasonerSettings& settings);
+[[nodiscard]] ReasonerSettings settingsFromJson(const nlohmann::json& json);
+
 /// The field "code" of an input.
 [[nodiscard]] ErrorCode codeFromJson(const nlohmann::json& item);
 

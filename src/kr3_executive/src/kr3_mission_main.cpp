@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <exception>
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
@@ -21,6 +20,7 @@
 #include "kr3_executive/abstract_mission.hpp"
 #include "kr3_executive/comparison.hpp"
 #include "kr3_executive/script_runner.hpp"
+#include "tool_options.hpp"
 
 namespace
 {
@@ -59,10 +59,8 @@ struct Options
   bool quiet = false;
 };
 
-/// @return false when the program should end with `status`
-bool parse(int argc, char** argv, Options& options, int& status)
+void addOptions(CLI::App& app, Options& options)
 {
-  CLI::App app{"Runs missions of a domain in the abstract simulator."};
   app.option_defaults()->always_capture_default();
   auto* domain = app.add_option("DOMAIN_DIR", options.domain,
                                 "directory with domain.kr3, refinement.kr3, models.yaml, "
@@ -100,18 +98,10 @@ bool parse(int argc, char** argv, Options& options, int& status)
        {"--goal", "--seed", "--trials", "--target-at", "--true", "--cells-per-place",
         "--max-backups", "--solve-time", "--default-probability", "--bindings"})
     script->excludes(app.get_option(name));  // a script says all of it
-  try
-  {
-    app.parse(argc, argv);
+  app.callback([domain, script] {
     if (domain->count() == 0 && script->count() == 0)
       throw CLI::RequiredError("DOMAIN_DIR or --script");
-  }
-  catch (const CLI::ParseError& error)
-  {
-    status = app.exit(error) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
-    return false;
-  }
-  return true;
+  });
 }
 
 std::vector<Method> methodsOf(const std::string& text)
@@ -262,17 +252,9 @@ int runScripts(const Options& options)
 
 int main(int argc, char** argv)
 {
+  CLI::App app{"Runs missions of a domain in the abstract simulator."};
   Options options;
-  int status = EXIT_SUCCESS;
-  if (!parse(argc, argv, options, status))
-    return status;
-  try
-  {
-    return options.scripts.empty() ? run(options) : runScripts(options);
-  }
-  catch (const std::exception& error)
-  {
-    std::cerr << "kr3_mission: " << error.what() << "\n";
-    return 2;
-  }
+  addOptions(app, options);
+  return runTool(app, "kr3_mission", argc, argv,
+                 [&] { return options.scripts.empty() ? run(options) : runScripts(options); });
 }

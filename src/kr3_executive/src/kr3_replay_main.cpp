@@ -1,7 +1,6 @@
 /// kr3_replay: computes recorded missions again and compares the decisions. Needs no ROS.
 
 #include <cstdlib>
-#include <exception>
 #include <fstream>
 #include <iomanip>
 #include <iostream>
@@ -14,6 +13,7 @@
 
 #include "kr3_executive/recorded_mission.hpp"
 #include "kr3_executive/replay.hpp"
+#include "tool_options.hpp"
 
 namespace
 {
@@ -21,7 +21,6 @@ namespace
 using namespace kr3::executive;
 
 constexpr int kDiffers = 1;
-constexpr int kUnusable = 2;
 
 struct Options
 {
@@ -33,17 +32,15 @@ struct Options
   bool any_numbers = false;
 };
 
-/// @return false when the program should end with `status`
-bool parse(int argc, char** argv, Options& options, int& status)
+void addOptions(CLI::App& app, Options& options)
 {
-  CLI::App app{
-      "Computes recorded missions again and compares each decision. Exit code: 0 all the "
-      "same, 1 one differs, 2 the recording cannot be used."};
   app.add_option("FILE", options.file, "inputs, one JSON object a line; - for standard input")
       ->required();
   app.add_option("--mission", options.mission, "number of the mission, from 1; default: all");
   app.add_option("--set", options.changes,
                  "change an input first: NUMBER.FIELD=VALUE, as in 12.observation=false");
+  app.add_option("--domain", options.replay.domain,
+                 "directory of files to use instead of the recorded ones, which is told");
   app.add_option("--continue", options.replay.continue_with_seed,
                  "go on in the abstract world, with this seed, where nothing is recorded any more");
   app.add_option("--true", options.replay.truths,
@@ -52,16 +49,6 @@ bool parse(int argc, char** argv, Options& options, int& status)
                "the same choices from other numbers count as the same: costs, bounds and beliefs "
                "may differ in their last digits between machines");
   app.add_flag("--check", options.check, "print the verdict and the first difference only");
-  try
-  {
-    app.parse(argc, argv);
-  }
-  catch (const CLI::ParseError& error)
-  {
-    status = app.exit(error) == 0 ? EXIT_SUCCESS : kUnusable;
-    return false;
-  }
-  return true;
 }
 
 std::vector<RecordedInput> readFile(const std::string& path)
@@ -138,6 +125,8 @@ bool run(const Options& options, const std::vector<RecordedInput>& inputs, std::
     print(*choice);
   if (!result.reason.empty())
     std::cout << result.reason << "\n";
+  for (const auto& doubt : result.not_promised)
+    std::cout << "not promised to repeat: " << doubt << "\n";
   std::cout << result.decisions.size() << " decisions, ";
   if (difference == nullptr)
     std::cout << "all the same";
@@ -172,18 +161,10 @@ int run(const Options& options)
 
 int main(int argc, char** argv)
 {
+  CLI::App app{
+      "Computes recorded missions again and compares each decision. Exit code: 0 all the "
+      "same, 1 one differs, 2 the recording cannot be used."};
   Options options;
-  int status = EXIT_SUCCESS;
-  if (!parse(argc, argv, options, status))
-    return status;
-  try
-  {
-    return run(options);
-  }
-  catch (const std::exception& error)
-  {
-    std::cout << std::flush;
-    std::cerr << "kr3_replay: " << error.what() << "\n";
-    return kUnusable;
-  }
+  addOptions(app, options);
+  return runTool(app, "kr3_replay", argc, argv, [&] { return run(options); });
 }

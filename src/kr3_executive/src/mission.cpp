@@ -11,14 +11,6 @@ namespace
 
 constexpr double kMoreLikelyThanNot = 0.5;
 
-std::string attemptKey(const std::string& action, const std::vector<std::string>& hypothesis)
-{
-  std::string key = action;
-  for (const auto& literal : hypothesis)
-    key += " | " + literal;
-  return key;
-}
-
 std::string firstAction(const reasoner::Plan& plan)
 {
   return plan.steps.empty() || plan.steps.front().empty() ? std::string() : plan.steps.front()[0];
@@ -72,7 +64,13 @@ Transition requestPlan(State state)
 {
   state.phase = Phase::kPlanning;
   state.replan = false;
-  return {std::move(state), RequestPlan{}};
+  const bool alternatives = state.alternatives;
+  return {std::move(state), RequestPlan{alternatives}};
+}
+
+std::string keyOfCurrent(const State& state)
+{
+  return attemptKey(state.currentAction(), state.plan->plan.hypothesis, state.situation);
 }
 
 /// Lines 8-11: the next action of the plan, unless a limit ends the mission.
@@ -88,6 +86,7 @@ Transition startAction(State state)
   state.ll_actions_here = 0;
   state.rebuilds = 0;
   state.assessment = {};
+  state.situation.clear();
   std::string action = state.currentAction();
   return {std::move(state), RequestPolicy{std::move(action), false}};
 }
@@ -112,7 +111,9 @@ Transition endAction(State state)
   state.replan = overturned(state.assessment);
   ++state.hl_actions_done;
   if (result != ActionResult::kAchieved)
-    ++state.failures[attemptKey(action, state.plan->plan.hypothesis)];
+    ++state.failures[keyOfCurrent(state)];
+  // What was refuted or is otherwise is planned for anew; what came to nothing needs another way.
+  state.alternatives = state.alternatives || result == ActionResult::kUnresolved;
   AddRecords decision{recordsOf(action, state.step, result, state.assessment, least)};
   state.phase = Phase::kRecording;
   return {std::move(state), std::move(decision)};
@@ -156,6 +157,79 @@ Transition onGoal(const State& state, const GoalGiven& event)
   return {std::move(next), AddRecords{event.records}};
 }
 
+std::uint32_t failuresOf(const State& state, const CostedPlan& candidate)
+{
+  return state.failuresOf(firstAction(candidate.plan), candidate.plan.hypothesis,
+                          candidate.situation);
+}
+
+bool isImpossible(const State& state, const CostedPlan& candidate)
+{
+  return state.impossible.count(attemptKey(firstAction(candidate.plan), candidate.plan.hypothesis,
+                                           candidate.situation)) > 0;
+}
+
+/// Its first action was not tried in vain as often as is allowed, and may be possible.
+bool isOpen(const State& state, const CostedPlan& candidate)
+{
+  return failuresOf(state, candidate) < state.limits.max_attempts &&
+         !isImpossible(state, candidate);
+}
+
+std::string whyNoneIsLeft(const State& state, const PlanReady& event)
+{
+  const auto failed = [&](const CostedPlan& candidate) {
+    return failuresOf(state, candidate) >= state.limits.max_attempts;
+  };
+  if (std::any_of(event.plans.begin(), event.plans.end(), failed))
+  {
+    return "every plan left was tried " + std::to_string(state.limits.max_attempts) +
+           " times without result";
+  }
+  if (!event.plans.empty())
+    return "every plan left begins with an action that is impossible in what is known";
+  return "no plan is left: " + event.reason;
+}
+
+bool everyOneLeftIsRefuted(const State& state, const std::vector<CostedPlan>& plans)
+{
+  return std::all_of(plans.begin(), plans.end(), [&](const CostedPlan& candidate) {
+    return candidate.refuted || !isOpen(state, candidate);
+  });
+}
+
+/// Lines 4-6: the lowest expected cost wins, among plans that are not known to lead nowhere. When
+/// the best one begins with what was tried in vain, another one of its hypothesis is taken if there
+/// is one (lines 20-22), and ways round only when nothing else is left.
+///
+/// @return null when none is left
+const CostedPlan* choose(const State& state, const std::vector<CostedPlan>& plans)
+{
+  const auto cheapest = [&plans](const auto& admits) {
+    const CostedPlan* best = nullptr;
+    for (const auto& candidate : plans)
+    {
+      if (admits(candidate) && (best == nullptr || candidate.cost_s < best->cost_s))
+        best = &candidate;
+    }
+    return best;
+  };
+  const CostedPlan* best = cheapest(
+      [&](const CostedPlan& candidate) { return !candidate.detour && isOpen(state, candidate); });
+  if (best == nullptr && state.detours < state.limits.max_detours)
+  {
+    return cheapest(
+        [&](const CostedPlan& candidate) { return candidate.detour && isOpen(state, candidate); });
+  }
+  if (best == nullptr || failuresOf(state, *best) == 0)
+    return best;
+  const CostedPlan* untried = cheapest([&](const CostedPlan& candidate) {
+    return !candidate.detour && candidate.plan.hypothesis == best->plan.hypothesis &&
+           failuresOf(state, candidate) == 0 && !isImpossible(state, candidate);
+  });
+  return untried == nullptr ? best : untried;
+}
+
 Transition onPlan(State state, const PlanReady& event)
 {
   if (event.goal_entailed)
@@ -173,42 +247,17 @@ Transition onPlan(State state, const PlanReady& event)
     if (valid)
       return startAction(std::move(state));
   }
-  // Lines 4-6: the lowest expected cost wins, among plans that are not known to lead nowhere.
-  const CostedPlan* best = nullptr;
-  bool exhausted = false;
-  bool impossible = false;
-  bool refuted = true;  // every hypothesis that is left
-  for (const auto& candidate : event.plans)
-  {
-    const std::string key = attemptKey(firstAction(candidate.plan), candidate.plan.hypothesis);
-    const auto failed = state.failures.find(key);
-    if (failed != state.failures.end() && failed->second >= state.limits.max_attempts)
-      exhausted = true;
-    else if (state.impossible.count(key) > 0)
-      impossible = true;
-    else
-    {
-      refuted = refuted && candidate.refuted;
-      if (best == nullptr || candidate.cost_s < best->cost_s)
-        best = &candidate;
-    }
-  }
-  if (best == nullptr)
-  {
-    return reopen(std::move(state), exhausted ? "every plan left was tried " +
-                                                    std::to_string(state.limits.max_attempts) +
-                                                    " times without result"
-                                    : impossible ? "every plan left begins with an action that is "
-                                                   "impossible in what is known"
-                                                 : "no plan is left: " + event.reason);
-  }
-  if (refuted)
+  const CostedPlan* chosen = choose(state, event.plans);
+  if (chosen == nullptr)
+    return reopen(std::move(state), whyNoneIsLeft(state, event));
+  if (everyOneLeftIsRefuted(state, event.plans))
   {
     return reopen(std::move(state),
                   "everything that the goal may rest on was looked for in vain; " +
                       std::to_string(state.reopened) + " refutations were taken back");
   }
-  state.plan = *best;
+  state.detours += chosen->detour ? 1 : 0;
+  state.plan = *chosen;
   state.plan_index = 0;
   return startAction(std::move(state));
 }
@@ -247,7 +296,7 @@ Transition onTold(State state, const Told& event)
     records = std::move(std::get<AddRecords>(ended.decision).records);
     // Interrupted is not failed: it may be tried again as often as before.
     if (state.last_result != ActionResult::kAchieved)
-      --state.failures[attemptKey(state.currentAction(), state.plan->plan.hypothesis)];
+      --state.failures[keyOfCurrent(state)];
   }
   else if (state.phase != Phase::kIdle && state.phase != Phase::kFinished)
   {
@@ -317,6 +366,7 @@ struct Stepper
       return ignored();
     State next = state;
     next.assessment = event.assessment;
+    next.situation = event.situation;
     next.phase = Phase::kExecuting;
     // The first look is never skipped: a belief that was only assumed is no observation.
     return {std::move(next), ExecutePolicyAction{}};
@@ -353,15 +403,16 @@ struct Stepper
     std::string action = next.currentAction();
     return {std::move(next), RequestPolicy{std::move(action), true}};
   }
-  Transition operator()(const ActionImpossible&) const
+  Transition operator()(const ActionImpossible& event) const
   {
     if (state.phase != Phase::kPreparing)
       return ignored();
     State next = state;
     ++next.hl_actions_done;  // so that this ends too
-    const std::string key = attemptKey(next.currentAction(), next.plan->plan.hypothesis);
-    ++next.failures[key];
-    next.impossible.insert(key);
+    next.situation = event.situation;
+    next.alternatives = true;
+    ++next.failures[keyOfCurrent(next)];
+    next.impossible.insert(keyOfCurrent(next));
     next.last_result = ActionResult::kUnresolved;
     return requestPlan(std::move(next));  // line 20: the plan is invalid
   }
@@ -386,6 +437,7 @@ struct Stepper
       return finish(std::move(next), otherwise);
     next.failures.clear();
     next.impossible.clear();
+    next.alternatives = false;
     return requestPlan(std::move(next));
   }
   Transition operator()(const Told& event) const { return onTold(state, event); }
@@ -407,6 +459,23 @@ std::string State::currentAction() const
   if (!plan || plan_index >= plan->plan.steps.size() || plan->plan.steps[plan_index].empty())
     return {};
   return plan->plan.steps[plan_index].front();
+}
+
+std::uint32_t State::failuresOf(const std::string& action,
+                                const std::vector<std::string>& hypothesis,
+                                const std::string& where) const
+{
+  const auto found = failures.find(attemptKey(action, hypothesis, where));
+  return found == failures.end() ? 0 : found->second;
+}
+
+std::string attemptKey(const std::string& action, const std::vector<std::string>& hypothesis,
+                       const std::string& situation)
+{
+  std::string key = action;
+  for (const auto& literal : hypothesis)
+    key += " | " + literal;
+  return situation.empty() ? key : key + " where " + situation;
 }
 
 Transition step(const State& state, const Event& event)

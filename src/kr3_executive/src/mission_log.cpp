@@ -44,7 +44,13 @@ struct Details
   const State& state;
 
   std::vector<std::string> operator()(const Wait&) const { return {}; }
-  std::vector<std::string> operator()(const RequestPlan&) const { return {state.goal}; }
+  std::vector<std::string> operator()(const RequestPlan& request) const
+  {
+    std::vector<std::string> details{state.goal};
+    if (request.alternatives)
+      details.emplace_back("with alternatives");
+    return details;
+  }
   std::vector<std::string> operator()(const RequestPolicy& request) const
   {
     // Together with the plan that was chosen: the same first action may serve another one.
@@ -102,9 +108,9 @@ ReportedDecision reported(const Decision& decision, const State& state)
   return {0, toString(decision), std::visit(Details{state}, decision), {}, {}};
 }
 
-ReportedDecision reported(const std::vector<CostedPlan>& plans)
+ReportedDecision reported(const std::vector<CostedPlan>& plans, bool cut_short)
 {
-  ReportedDecision decision{0, "plans", {}, {}, {}};
+  ReportedDecision decision{0, "plans", {}, {}, {}, cut_short};
   for (const auto& candidate : plans)
   {
     std::string steps;

@@ -242,6 +242,13 @@ Narration Narrator::record(const reasoner::Record& record, bool unexpected) cons
               .dump()};
 }
 
+Narration Narrator::summedUp(int steps, std::size_t records_left) const
+{
+  return {std::to_string(steps) + " earlier steps were summed up; " + std::to_string(records_left) +
+              " records are left",
+          json({{"summed_up_steps", steps}, {"records", records_left}}).dump()};
+}
+
 Narration Narrator::replan(const std::string& why) const
 {
   return {"the plan is no longer valid: " + why, json{{"why", why}}.dump()};

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <kr3_common/error.hpp>
+#include <kr3_pomdp/solved_model.hpp>
 
 #include "kr3_executive/abstract_world.hpp"
 #include "kr3_executive/in_process.hpp"
@@ -22,6 +23,42 @@ namespace
 /// Backups of a solve of which nothing is recorded and that only time was to end.
 constexpr std::uint64_t kUnrecordedBackups = 5000;
 
+/// Cut short, and no counted work says where.
+bool isUnrepeatable(const ReportedDecision& decision)
+{
+  return decision.cut_short && (!decision.policy || decision.policy->backups == 0);
+}
+
+/// The texts to reason with. @param differences  receives a line for each that was not recorded so
+DomainFiles filesOf(const RecordedMission& mission, const ReplayOptions& options,
+                    std::vector<std::string>& differences)
+{
+  if (options.domain.empty())
+    return mission.domain;
+  const std::string folder = options.domain + "/";
+  DomainFiles files =
+      readDomainFiles(folder + mission.domain.domain.name, folder + mission.domain.refinement.name,
+                      folder + mission.domain.models.name, folder + mission.domain.bindings.name,
+                      mission.domain.map);
+  const auto compare = [&](const DomainFile& recorded, const DomainFile& now) {
+    const std::string then_hash = pomdp::contentHash(recorded.text);
+    const std::string now_hash = pomdp::contentHash(now.text);
+    if (then_hash != now_hash)
+      differences.push_back(folder + now.name + " is not the recorded file: its hash is " +
+                            now_hash + ", recorded was " + then_hash);
+  };
+  compare(mission.domain.domain, files.domain);
+  compare(mission.domain.refinement, files.refinement);
+  compare(mission.domain.models, files.models);
+  compare(mission.domain.bindings, files.bindings);
+  return files;
+}
+
+ReasonerSettings settingsOf(const RecordedMission& mission)
+{
+  return mission.start.reasoner.value_or(ReasonerSettings{});
+}
+
 bool isSameChoice(const ReportedDecision& a, const ReportedDecision& b)
 {
   return a.kind == b.kind && a.details == b.details;
@@ -35,10 +72,10 @@ public:
   Replayer(const RecordedMission& mission, const ReplayOptions& options)
     : mission_(mission)
     , options_(options)
-    , loaded_(load(mission.domain))
+    , loaded_(load(filesOf(mission, options, result_.not_promised)))
     , narrator_(loaded_.bindings.phrases(), loaded_.domain->highLevel())
     , reasoner_(descriptionFor(mission.method.method, loaded_.domain->highLevel()), mission.plan,
-                interruption_)
+                settingsOf(mission), interruption_)
     , policies_([this](const SolveBudget& budget) { return counted(budget); },
                 [this] { return isPolicyLost(); }, interruption_)
     , mission_again_(makeMission(mission.method.method,
@@ -47,6 +84,7 @@ public:
                                  mission.method.baseline))
     , now_s_(mission.start_s)
   {
+    tellDoubts();
     skipFactsOutside();
   }
 
@@ -169,6 +207,26 @@ private:
   static bool isDecision(const RecordedItem& item)
   {
     return std::holds_alternative<ReportedDecision>(item.content);
+  }
+
+  /// What in the recording need not repeat.
+  void tellDoubts()
+  {
+    if (!mission_.start.reasoner)
+    {
+      result_.not_promised.emplace_back(
+          "input 1: the reasoner did not tell its parameters; their defaults are used");
+    }
+    for (const auto& item : mission_.items)
+    {
+      const auto* decision = std::get_if<ReportedDecision>(&item.content);
+      if (decision == nullptr || !isUnrepeatable(*decision))
+        continue;
+      result_.not_promised.push_back(
+          "input " + std::to_string(item.sequence) +
+          (decision->policy ? ": solving was ended by wall time before its first backup"
+                            : ": wall time ended the search for more plans"));
+    }
   }
 
   [[nodiscard]] bool isOver() const { return result_.end != ReplayEnd::kMissionEnded; }
@@ -307,6 +365,7 @@ private:
 
   const RecordedMission& mission_;
   const ReplayOptions& options_;
+  ReplayResult result_;
   LoadedDomain loaded_;
   Narrator narrator_;
   Interruption interruption_;
@@ -322,7 +381,6 @@ private:
   int step_ = 0;
   int history_step_ = 0;
   std::string hl_action_;
-  ReplayResult result_;
 };
 
 }  // namespace

@@ -22,8 +22,10 @@ reasoner::PlanOptions patient(reasoner::PlanOptions options)
 
 InterruptedReasoner::InterruptedReasoner(reasoner::Description description,
                                          const reasoner::PlanOptions& options,
+                                         const ReasonerSettings& settings,
                                          const Interruption& interruption)
-  : InProcessReasoner(std::move(description), patient(options)), interruption_(interruption)
+  : InProcessReasoner(std::move(description), patient(options), settings)
+  , interruption_(interruption)
 {
 }
 
@@ -63,11 +65,11 @@ reasoner::Explanation InterruptedReasoner::explain(const std::string& literal, i
   return InProcessReasoner::explain(literal, step);
 }
 
-reasoner::PlanResult InterruptedReasoner::plan(const std::string& goal,
+reasoner::PlanResult InterruptedReasoner::plan(const std::string& goal, std::uint32_t max_plans,
                                                const std::atomic<bool>& cancel)
 {
   interruption_.raise();
-  return InProcessReasoner::plan(goal, cancel);
+  return InProcessReasoner::plan(goal, max_plans, cancel);
 }
 
 ReplayedPolicies::ReplayedPolicies(Budget budget, std::function<bool()> is_lost,

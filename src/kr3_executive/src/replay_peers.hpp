@@ -29,7 +29,7 @@ class InterruptedReasoner : public InProcessReasoner
 public:
   /// @param interruption  must outlive the reasoner
   InterruptedReasoner(reasoner::Description description, const reasoner::PlanOptions& options,
-                      const Interruption& interruption);
+                      const ReasonerSettings& settings, const Interruption& interruption);
 
   void addRecords(const std::vector<reasoner::Record>& records) override;
   reasoner::Diagnosis diagnose() override;
@@ -38,7 +38,8 @@ public:
   std::vector<std::string> entailedAt(int step) override;
   reasoner::Explanation explain(const std::string& literal, int step) override;
   /// As long as it takes: time limits are not repeatable.
-  reasoner::PlanResult plan(const std::string& goal, const std::atomic<bool>& cancel) override;
+  reasoner::PlanResult plan(const std::string& goal, std::uint32_t max_plans,
+                            const std::atomic<bool>& cancel) override;
 
 private:
   const Interruption& interruption_;

@@ -36,21 +36,30 @@ std::vector<Record> wandering(int from, int to)
   return records;
 }
 
+constexpr int kSteps = 60;
+
 TEST(HistoryWindow, IsDueWhenTheHistoryIsHalfAsLongAgain)
 {
-  HistoryWindow window;
+  HistoryWindow window(kSteps);
   window.reset(wandering(0, 90));
   EXPECT_FALSE(window.due().has_value());
   window.add(wandering(90, 91));
   ASSERT_TRUE(window.due().has_value());
-  EXPECT_EQ(*window.due(), 91 - HistoryWindow::kSteps);
+  EXPECT_EQ(*window.due(), 91 - kSteps);
   window.beginsAt(*window.due());
+  EXPECT_FALSE(window.due().has_value());
+}
+
+TEST(HistoryWindow, OfNoStepsKeepsAll)
+{
+  HistoryWindow window(0);
+  window.reset(wandering(0, 500));
   EXPECT_FALSE(window.due().has_value());
 }
 
 TEST(HistoryWindow, FindsTheRecordsThatAreKept)
 {
-  HistoryWindow window;
+  HistoryWindow window(kSteps);
   window.reset(wandering(0, 91));
   EXPECT_EQ(window.amongAll({0, 3}), (std::vector<std::size_t>{0, 3}));
   window.beginsAt(31);
@@ -64,7 +73,7 @@ TEST(HistoryWindow, AnswersAreThoseOfTheWholeHistory)
 {
   const auto description =
       reasoner::readDescription(std::string(KR3_DOMAINS_DIR) + "/office/domain.kr3");
-  const int end = HistoryWindow::kSteps * 3 / 2 + 4;
+  const int end = kSteps * 3 / 2 + 4;
   InProcessReasoner windowed(description, {});
   reasoner::Reasoner whole(description);
   windowed.setHistory(wandering(0, end - 4));

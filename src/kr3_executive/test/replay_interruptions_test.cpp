@@ -155,6 +155,18 @@ TEST(ReplayInterruptions, AFactIsTakenInAtTheSamePlace)
   stage.expectSame();
 }
 
+TEST(ReplayInterruptions, ASkillThatRefusesDoesNotEndTheMission)
+{
+  Stage stage;
+  stage.world.meddle = [](std::size_t number) {
+    if (number == 2)
+      throw FailedPrecondition("the robot is outside the cell");
+  };
+  const MissionResult result = stage.run();
+  EXPECT_TRUE(result.achieved) << result.reason;
+  stage.expectSame();
+}
+
 TEST(ReplayInterruptions, AnotherFactChangesTheDecisionsAfterIt)
 {
   Stage stage;

@@ -63,7 +63,7 @@ class ReplayOfTheNode(unittest.TestCase):
         self.robot.searching.clear()
         self.robot.hold_search.set()
         self.place("office_c1", "main_library_c1")
-        self.node = start_node(solve_time_s=0.0, max_backups=300)
+        self.node = start_node(max_backups=300)
         threading.Thread(target=self.node.stdout.read, daemon=True).start()
         self.assertTrue(self.client.wait_for_server(rospy.Duration(60)), "no executive_node")
 

@@ -56,7 +56,11 @@ public:
 
 private:
   Event perform(const Decision& decision);
-  Event performPlan();
+  Event performPlan(const RequestPlan& request);
+  /// Plans that begin with ways round what was tried as often as is allowed.
+  void addDetours(std::vector<CostedPlan>& plans);
+  /// Where each plan begins, so that what was tried there counts.
+  void tellSituations(std::vector<CostedPlan>& plans);
   Event performPolicy(const RequestPolicy& request);
   Event performAction();
   void costPlans(std::vector<CostedPlan>& plans);
@@ -82,6 +86,8 @@ private:
   [[nodiscard]] std::vector<double> hypothesisProbabilities(
       const std::vector<std::vector<std::string>>& hypotheses) const;
   /// An exogenous action that is possible in the task's start would change the fluent.
+  /// Of the task's start. @throws nothing
+  [[nodiscard]] std::string situationOf(const std::string& action) const;
   [[nodiscard]] bool mayHaveChanged(const std::string& fluent) const;
   void allowForChange(const refinement::Zoom& zoom, refinement::InitialKnowledge& knowledge) const;
   /// @return what is wrong with those that were left out
@@ -141,6 +147,9 @@ private:
   [[nodiscard]] bool isUnexpected(const reasoner::Record& record);
   [[nodiscard]] std::optional<std::string> happened(const std::vector<std::string>& changed) const;
   void addToHistory(const std::vector<reasoner::Record>& records);
+  /// Sums up what is earlier than the history window, if there is enough of it.
+  /// @return how many steps were summed up
+  int sumUpHistory();
 
   const refinement::LowLevelDomain& domain_;
   const refinement::Models& models_;

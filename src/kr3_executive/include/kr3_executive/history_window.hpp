@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -15,8 +16,8 @@ namespace kr3::executive
 class HistoryWindow
 {
 public:
-  /// Steps that are kept one by one; progressed when there are half as many again.
-  static constexpr int kSteps = 60;
+  /// @param steps  that are kept one by one; progressed when there are half as many again. 0: never
+  explicit HistoryWindow(std::uint32_t steps) : steps_(static_cast<int>(steps)) {}
 
   /// The whole history was told anew: it begins at step 0.
   void reset(std::vector<reasoner::Record> records);
@@ -34,6 +35,7 @@ public:
   [[nodiscard]] std::vector<std::size_t> amongAll(const std::vector<std::size_t>& kept) const;
 
 private:
+  int steps_;
   std::vector<reasoner::Record> all_;
   int first_step_ = 0;
 };

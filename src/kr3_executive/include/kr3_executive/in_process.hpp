@@ -17,7 +17,8 @@ namespace kr3::executive
 class InProcessReasoner : public HighLevelReasoner
 {
 public:
-  InProcessReasoner(reasoner::Description description, reasoner::PlanOptions options);
+  InProcessReasoner(reasoner::Description description, reasoner::PlanOptions options,
+                    const ReasonerSettings& settings = {});
 
   void setHistory(const std::vector<reasoner::Record>& records) override;
   void addRecords(const std::vector<reasoner::Record>& records) override;
@@ -27,13 +28,16 @@ public:
   std::vector<std::string> entailedAt(int step) override;
   reasoner::Explanation explain(const std::string& literal, int step) override;
   std::vector<reasoner::Retraction> retractions(const std::string& literal, int step) override;
-  reasoner::PlanResult plan(const std::string& goal, const std::atomic<bool>& cancel) override;
+  reasoner::PlanResult plan(const std::string& goal, std::uint32_t max_plans,
+                            const std::atomic<bool>& cancel) override;
+  std::optional<ReasonerSettings> settings() override { return settings_; }
 
 private:
   void progressIfDue();
 
   reasoner::Reasoner reasoner_;
   reasoner::PlanOptions options_;
+  ReasonerSettings settings_;
   HistoryWindow window_;
 };
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,16 @@ namespace kr3::executive
 /// The current step of a history: the largest step among its records, or one more when an action is
 /// recorded there; 0 for an empty one.
 [[nodiscard]] int currentStep(const std::vector<reasoner::Record>& history);
+
+/// Steps of a history that are kept one by one where nothing else is asked for.
+inline constexpr std::uint32_t kDefaultHistoryWindow = 60;
+
+/// What the answers of a reasoner depend on besides the description and the history.
+struct ReasonerSettings
+{
+  reasoner::ReasonerOptions options;  ///< of its diagnoses; `window` and `least_step` are 0
+  std::uint32_t history_window = kDefaultHistoryWindow;  ///< history_window.hpp; 0: all
+};
 
 /// The high level. A question about an inconsistent history throws FailedPrecondition.
 class HighLevelReasoner
@@ -41,19 +52,23 @@ public:
   /// helps.
   [[nodiscard]] virtual std::vector<reasoner::Retraction> retractions(const std::string& literal,
                                                                       int step) = 0;
-  /// @param cancel  may be set from another thread; the call then throws Cancelled
-  [[nodiscard]] virtual reasoner::PlanResult plan(const std::string& goal,
+  /// @param max_plans  for each hypothesis: 1, or so many of those that are equally short
+  /// @param cancel     may be set from another thread; the call then throws Cancelled
+  [[nodiscard]] virtual reasoner::PlanResult plan(const std::string& goal, std::uint32_t max_plans,
                                                   const std::atomic<bool>& cancel) = 0;
+  /// Nothing when it cannot be told.
+  [[nodiscard]] virtual std::optional<ReasonerSettings> settings() = 0;
 };
 
-/// When the solver may stop; whichever comes first. With the defaults a search of 4 cells ends by
+/// When the solver may stop; whichever comes first. Precision and counted work decide, so that a
+/// solve repeats; wall time is for emergencies. With the defaults a search of 4 cells ends by
 /// its precision in about 0.15 s of CPU, one of 9 cells after 0.7 s and one of 16 after 2 s by the
 /// counted work, 0.4 % and about 1 s of reward below what twice the work finds
 /// (docs/coupling.md).
 struct SolveBudget
 {
   double precision = 0.5;
-  double time_s = 5.0;                ///< wall time; 0 = no limit
+  double time_s = 30.0;               ///< wall time; 0 = no limit
   std::uint64_t max_backups = 20000;  ///< counted work; 0 = no limit
 };
 
@@ -65,6 +80,10 @@ struct SolvedPolicy
   std::uint64_t backups = 0;
   double cpu_s = 0.0;
   bool cached = false;
+
+  /// Whether neither precision nor counted work ended the solve, but wall time or memory: then it
+  /// need not repeat.
+  [[nodiscard]] bool isCutShort(const SolveBudget& budget) const;
 };
 
 /// Solves models and answers for their policies.

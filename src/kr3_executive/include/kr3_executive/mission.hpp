@@ -42,6 +42,7 @@ struct Limits
   std::uint32_t max_attempts = 3;     ///< of one high-level action under one hypothesis
   std::uint32_t max_reopened = 8;     ///< refutations taken back per mission
   std::uint32_t max_rebuilds = 3;     ///< of the low-level task, per high-level action
+  std::uint32_t max_detours = 2;      ///< longer ways taken where no shortest one is left
   double threshold = 0.85;            ///< belief becomes knowledge above it, in (0.5, 1)
 };
 
@@ -55,6 +56,10 @@ struct CostedPlan
   std::string reason = {};    ///< why `confirms` is believed
   bool refuted = false;  ///< it rests on a value that was looked for in vain, and only a change
                          ///< that nobody saw could have brought since
+  /// Where its first action would begin: the values that it is about (driver.hpp, situationOf());
+  /// empty while nothing has failed.
+  std::string situation = {};
+  bool detour = false;  ///< longer than necessary, around an action that was tried in vain
 };
 
 /// A value that the low level doubts: an assumption of the high-level action under execution.
@@ -112,7 +117,8 @@ struct PlanReady
 };
 struct PolicyReady
 {
-  Assessment assessment;  ///< at the initial belief
+  Assessment assessment;       ///< at the initial belief
+  std::string situation = {};  ///< where the action begins, as CostedPlan::situation
 };
 struct ActionExecuted
 {
@@ -124,7 +130,7 @@ struct PolicyFinished
 {
   Assessment assessment;
 };
-/// What was observed is impossible in the zoomed model.
+/// What was observed is impossible in the zoomed model, or a skill refused what the model allows.
 struct TaskLost
 {
   std::string reason;
@@ -134,6 +140,7 @@ struct TaskLost
 struct ActionImpossible
 {
   std::string reason;
+  std::string situation = {};  ///< where it would begin, as CostedPlan::situation
 };
 struct DiagnosisReady
 {
@@ -165,6 +172,9 @@ using Event = std::variant<GoalGiven, RecordsAdded, PlanReady, PolicyReady, Acti
 
 struct RequestPlan
 {
+  /// An action was tried in vain: other plans of the same hypothesis are wanted too, and ways round
+  /// it.
+  bool alternatives = false;
 };
 /// Lines 9-11 for the current high-level action of the plan.
 struct RequestPolicy
@@ -226,8 +236,11 @@ struct State
   std::uint32_t ll_actions_here = 0;  ///< for the current high-level action
   std::uint32_t rebuilds = 0;         ///< for the current high-level action
   std::uint32_t reopened = 0;
-  std::map<std::string, std::uint32_t> failures;  ///< of an action under a hypothesis
+  std::uint32_t detours = 0;
+  std::map<std::string, std::uint32_t> failures;  ///< by attemptKey()
   std::set<std::string> impossible;               ///< the same keys: until something new is known
+  std::string situation;                          ///< where the current high-level action began
+  bool alternatives = false;  ///< an action was tried in vain: RequestPlan::alternatives
   ActionResult last_result = ActionResult::kNone;
   Assessment assessment;          ///< of the current high-level action
   bool replan = false;            ///< what was learned may make another plan better
@@ -236,7 +249,17 @@ struct State
 
   /// The high-level action under execution; empty if none.
   [[nodiscard]] std::string currentAction() const;
+
+  /// How often an action was tried in vain. @param where  as CostedPlan::situation
+  [[nodiscard]] std::uint32_t failuresOf(const std::string& action,
+                                         const std::vector<std::string>& hypothesis,
+                                         const std::string& where) const;
 };
+
+/// What counts as the same attempt: an action under a hypothesis, where it begins.
+[[nodiscard]] std::string attemptKey(const std::string& action,
+                                     const std::vector<std::string>& hypothesis,
+                                     const std::string& situation);
 
 struct Transition
 {

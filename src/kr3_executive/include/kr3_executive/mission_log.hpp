@@ -34,6 +34,11 @@ struct DriverConfig
   double change_probability = 0.05;
   /// A low-level action that could not be executed is tried again this often.
   std::uint32_t max_skill_retries = 2;
+  /// Plans of one hypothesis that are compared when an action was tried in vain, at least 1.
+  std::uint32_t max_alternatives = 12;
+  /// Steps of history that a mission starts with at most, half as many again apart; what is earlier
+  /// is summed up (history_summary.hpp). 0: all are kept.
+  std::uint32_t history_window = kDefaultHistoryWindow;
   /// Whether snapshots explain what is entailed about the goal's objects; costs some questions.
   bool explain_facts = false;
 };
@@ -56,6 +61,7 @@ struct MissionBegun
   double time_limit_s = 0.0;  ///< 0 = none
   DriverConfig config;
   Knowledge knowledge;
+  std::optional<ReasonerSettings> reasoner = {};  ///< nothing when it did not tell
 };
 
 /// A request to the executor ended; each try is one input.
@@ -110,6 +116,8 @@ struct ReportedDecision
   std::vector<std::string> basis;    ///< numbers that it rests on, with all their digits: costs of
                                      ///< plans, bounds of a policy, a hash of the belief
   std::optional<SolvedPolicy> policy;  ///< of "policy"
+  bool cut_short = false;  ///< ended by wall time or memory, not by counted work: of "policy" and
+                           ///< "plans"; it need not repeat
 };
 
 /// "request_plan", "request_policy", "execute_policy_action", "add_records", "request_diagnosis",
@@ -120,7 +128,8 @@ struct ReportedDecision
 [[nodiscard]] ReportedDecision reported(const Decision& decision, const State& state);
 
 /// Plans that were found, a line each, with their costs as basis.
-[[nodiscard]] ReportedDecision reported(const std::vector<CostedPlan>& plans);
+/// @param cut_short  wall time left some out
+[[nodiscard]] ReportedDecision reported(const std::vector<CostedPlan>& plans, bool cut_short);
 
 /// The policy for a high-level action, to be followed from `belief`.
 [[nodiscard]] ReportedDecision reported(const std::string& action, const SolvedPolicy& policy,

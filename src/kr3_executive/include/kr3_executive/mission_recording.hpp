@@ -53,6 +53,12 @@ struct PlanningMethod
   BaselineOptions baseline;
 };
 
+/// What reasoner_node tells of its parameters, one JSON object.
+/// @param history_window  which the node does not know
+/// @throws InvalidArgument  it is malformed
+[[nodiscard]] ReasonerSettings settingsFromText(const std::string& text,
+                                                std::uint32_t history_window);
+
 /// Turns what a driver reports into recorded inputs: the domain and the mission at its start, then
 /// each input and decision in order. From these alone the mission can be computed again
 /// (replay.hpp).

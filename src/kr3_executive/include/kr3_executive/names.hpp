@@ -11,6 +11,8 @@ inline constexpr char kTell[] = "executive/tell";
 inline constexpr char kState[] = "executive/state";
 inline constexpr char kEvents[] = "executive/events";
 inline constexpr char kBelief[] = "executive/belief";
+inline constexpr char kBeliefMarkers[] = "executive/belief_markers";
+inline constexpr char kPlanMarkers[] = "executive/plan_markers";
 inline constexpr char kInputs[] = "executive/inputs";
 
 // What executive_node uses of others.
@@ -23,6 +25,7 @@ inline constexpr char kDiagnose[] = "reasoner/diagnose";
 inline constexpr char kGetState[] = "reasoner/get_state";
 inline constexpr char kFindRetractions[] = "reasoner/find_retractions";
 inline constexpr char kProgress[] = "reasoner/progress_history";
+inline constexpr char kGetOptions[] = "reasoner/get_options";
 inline constexpr char kPlan[] = "reasoner/plan";
 inline constexpr char kSolve[] = "pomdp/solve";
 inline constexpr char kGetAction[] = "pomdp/get_action";

@@ -114,6 +114,8 @@ public:
                                          const LowLevelTask& task,
                                          const std::vector<std::string>& ignored) const;
   [[nodiscard]] Narration record(const reasoner::Record& record, bool unexpected) const;
+  /// Of a long history the earliest steps were replaced by what followed from them.
+  [[nodiscard]] Narration summedUp(int steps, std::size_t records_left) const;
   [[nodiscard]] Narration replan(const std::string& why) const;
   [[nodiscard]] Narration end(const Finish& finish, const State& state) const;
 

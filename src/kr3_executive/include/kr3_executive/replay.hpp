@@ -46,6 +46,8 @@ struct ReplayResult
   std::vector<ReplayedDecision> decisions;
   ReplayEnd end = ReplayEnd::kMissionEnded;
   std::string reason;  ///< of the end
+  /// Where equality is not promised, and why: a line each, in the order of the recording.
+  std::vector<std::string> not_promised;
 
   /// Whether each decision is the recorded one, its numbers included, to the end of the recording.
   [[nodiscard]] bool isSame() const;
@@ -60,6 +62,9 @@ struct ReplayOptions
   /// starts from what the robot knows there, from `truths`, and is drawn at random otherwise.
   std::optional<std::uint64_t> continue_with_seed;
   std::vector<std::string> truths;  ///< literals of the high level
+  /// Directory with other files of the same names, to be used instead of the recorded texts; empty:
+  /// none. The map stays.
+  std::string domain;
   /// Called with each decision as it is made; may be empty.
   std::function<void(const ReplayedDecision&)> on_decision;
 };
@@ -68,14 +73,15 @@ struct ReplayOptions
 /// recorded results, facts and interruptions at the places where they were taken in, and compares
 /// the decisions.
 ///
-/// Nothing depends on wall time: a policy whose solving ended by time is solved with the recorded
-/// number of backups, and the clock shows the recorded stamps. With the same build the decisions
-/// repeat exactly.
+/// Nothing depends on wall time but what the result names: a policy whose solving ended by time is
+/// solved with the recorded number of backups, and the clock shows the recorded stamps. With the
+/// same build the decisions repeat exactly.
 ///
 /// After a first other choice recorded results are still used while the same actions are executed
 /// in the same order.
 ///
 /// @throws InvalidArgument  the domain, the goal or a record does not fit
+/// @throws Unavailable      a file of ReplayOptions::domain cannot be read
 [[nodiscard]] ReplayResult replay(const RecordedMission& mission, const ReplayOptions& options);
 
 }  // namespace kr3::executive

@@ -4,6 +4,8 @@
 #include <sstream>
 #include <utility>
 
+#include <std_srvs/Trigger.h>
+
 #include <kr3_common/error.hpp>
 #include <kr3_msgs/AddRecords.h>
 #include <kr3_msgs/Diagnose.h>
@@ -17,6 +19,7 @@
 #include <kr3_pomdp/pomdp_format.hpp>
 
 #include "conversions.hpp"
+#include "kr3_executive/mission_recording.hpp"
 #include "kr3_executive/names.hpp"
 
 namespace kr3::executive
@@ -49,8 +52,11 @@ void noteMissing(ros::ServiceClient& client, std::vector<std::string>& missing)
 
 }  // namespace
 
-RosReasoner::RosReasoner(ros::NodeHandle nh, const reasoner::PlanOptions& options)
+RosReasoner::RosReasoner(ros::NodeHandle nh, const reasoner::PlanOptions& options,
+                         std::uint32_t history_window)
   : options_(options)
+  , history_window_(history_window)
+  , window_(history_window)
   , set_history_(nh.serviceClient<kr3_msgs::SetHistory>(names::kSetHistory))
   , add_records_(nh.serviceClient<kr3_msgs::AddRecords>(names::kAddRecords))
   , entails_(nh.serviceClient<kr3_msgs::Entails>(names::kEntails))
@@ -59,8 +65,28 @@ RosReasoner::RosReasoner(ros::NodeHandle nh, const reasoner::PlanOptions& option
   , get_state_(nh.serviceClient<kr3_msgs::GetState>(names::kGetState))
   , find_retractions_(nh.serviceClient<kr3_msgs::FindRetractions>(names::kFindRetractions))
   , progress_(nh.serviceClient<kr3_msgs::ProgressHistory>(names::kProgress))
+  , get_options_(nh.serviceClient<std_srvs::Trigger>(names::kGetOptions))
   , plan_(nh, names::kPlan)
 {
+}
+
+std::optional<ReasonerSettings> RosReasoner::settings()
+{
+  std_srvs::Trigger service;
+  if (!get_options_.exists() || !get_options_.call(service) || service.response.success == 0)
+  {
+    ROS_WARN("%s does not answer: its parameters are not recorded, and a replay uses the defaults",
+             get_options_.getService().c_str());
+    return std::nullopt;
+  }
+  ReasonerSettings settings = settingsFromText(service.response.message, history_window_);
+  if (settings.options.window != 0)
+  {
+    throw FailedPrecondition(
+        "the reasoner has the parameter window: " + std::to_string(settings.options.window) +
+        ", expected 0; the executive has its own, history_window");
+  }
+  return settings;
 }
 
 std::vector<std::string> RosReasoner::missing()
@@ -215,12 +241,15 @@ std::vector<reasoner::Retraction> RosReasoner::retractions(const std::string& li
   return retractions;
 }
 
-reasoner::PlanResult RosReasoner::plan(const std::string& goal, const std::atomic<bool>& cancel)
+reasoner::PlanResult RosReasoner::plan(const std::string& goal, std::uint32_t max_plans,
+                                       const std::atomic<bool>& cancel)
 {
   synchronise();
   kr3_msgs::MakePlanGoal request;
   request.goal = goal;
   request.max_horizon = static_cast<std::uint32_t>(options_.max_horizon);
+  request.all = static_cast<std::uint8_t>(max_plans > 1);
+  request.max_plans = max_plans;
   const double time_s = std::chrono::duration<double>(options_.time_limit).count();
   request.time_limit = ros::Duration(time_s);
   // The node keeps its own limit; ours is for a node that hangs.
@@ -230,6 +259,7 @@ reasoner::PlanResult RosReasoner::plan(const std::string& goal, const std::atomi
   result.goal_entailed = answer.goal_entailed;
   result.reason = answer.reason;
   result.cpu_s = answer.cpu_s;
+  result.complete = answer.complete != 0;
   for (const auto& plan : answer.plans)
     result.plans.push_back(fromMsg(plan));
   return result;

@@ -26,7 +26,9 @@ namespace kr3::executive
 class RosReasoner : public HighLevelReasoner
 {
 public:
-  RosReasoner(ros::NodeHandle nh, const reasoner::PlanOptions& options);
+  /// @param history_window  steps that the node keeps one by one (history_window.hpp)
+  RosReasoner(ros::NodeHandle nh, const reasoner::PlanOptions& options,
+              std::uint32_t history_window);
 
   /// Names of services and actions that do not answer yet.
   [[nodiscard]] std::vector<std::string> missing();
@@ -39,13 +41,19 @@ public:
   std::vector<std::string> entailedAt(int step) override;
   reasoner::Explanation explain(const std::string& literal, int step) override;
   std::vector<reasoner::Retraction> retractions(const std::string& literal, int step) override;
-  reasoner::PlanResult plan(const std::string& goal, const std::atomic<bool>& cancel) override;
+  reasoner::PlanResult plan(const std::string& goal, std::uint32_t max_plans,
+                            const std::atomic<bool>& cancel) override;
+  /// Asked of the node each time, as it may have been started anew with others.
+  /// @throws FailedPrecondition  it keeps a window of its own: records are counted from the start
+  ///                             here
+  std::optional<ReasonerSettings> settings() override;
 
 private:
   /// Tells the whole history again unless the node holds as many records as we do.
   void synchronise();
 
   reasoner::PlanOptions options_;
+  std::uint32_t history_window_;
   /// The history, of which the node has the later part.
   void progressIfDue();
 
@@ -58,6 +66,7 @@ private:
   ros::ServiceClient get_state_;
   ros::ServiceClient find_retractions_;
   ros::ServiceClient progress_;
+  ros::ServiceClient get_options_;
   ActionPeer<kr3_msgs::MakePlanAction> plan_;
 };
 

@@ -18,33 +18,15 @@
 #include <kr3_msgs/Tell.h>
 
 #include "clients.hpp"
+#include "executive_node_config.hpp"
 #include "kr3_executive/driver.hpp"
 #include "kr3_executive/knowledge_file.hpp"
-#include "kr3_executive/method.hpp"
 #include "kr3_executive/mission_recording.hpp"
 #include "kr3_executive/scenario.hpp"
+#include "markers.hpp"
 
 namespace kr3::executive
 {
-
-/// Parameters of the executive node; config/executive_node.yaml says what they mean.
-struct ExecutiveNodeConfig
-{
-  std::string domain;
-  std::string refinement;
-  std::string models;
-  std::string bindings;
-  std::string scenario;    ///< may be empty
-  std::string state_file;  ///< may be empty
-  double peer_deadline_s = 60.0;
-  Method method = Method::kPa;
-  BaselineOptions baseline;
-  DriverConfig driver;
-  reasoner::PlanOptions plan;
-};
-
-/// @throws InvalidArgument  listing everything wrong with the parameters
-[[nodiscard]] ExecutiveNodeConfig loadExecutiveNodeConfig(const ros::NodeHandle& private_nh);
 
 /// Runs missions on a robot.
 ///
@@ -96,6 +78,7 @@ private:
   Bindings bindings_;
   Scenario scenario_;
   std::unique_ptr<Narrator> narrator_;
+  std::unique_ptr<MissionMarkers> markers_;
   RosReasoner reasoner_;
   RosPolicyServer policies_;
   std::unique_ptr<RosExecutor> executor_;
@@ -117,6 +100,8 @@ private:
   ros::Publisher state_publisher_;
   ros::Publisher event_publisher_;
   ros::Publisher belief_publisher_;
+  ros::Publisher belief_markers_publisher_;
+  ros::Publisher plan_markers_publisher_;
   ros::Publisher input_publisher_;
   std::unique_ptr<MissionRecorder> recorder_;
   ros::WallTimer diagnostics_timer_;

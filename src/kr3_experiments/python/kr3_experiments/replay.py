@@ -62,6 +62,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="ground literal of the high level that is true in that world",
     )
     parser.add_argument(
+        "--domain",
+        type=Path,
+        metavar="DIR",
+        help="files to reason with instead of the recorded ones, which the output names",
+    )
+    parser.add_argument(
         "--port", type=int, help=f"port of the ROS master for --rate (default: {DEFAULT_PORT})"
     )
 
@@ -92,6 +98,7 @@ def _recompute(args: argparse.Namespace, lines: List[str]) -> int:
         command += ["--any-numbers"] if args.any_numbers else []
         command += ["--mission", str(args.mission)] if args.mission is not None else []
         command += ["--continue", str(args.seed)] if args.seed is not None else []
+        command += ["--domain", str(args.domain.resolve())] if args.domain is not None else []
         for option in ("set", "true"):
             for value in getattr(args, option):
                 command += [f"--{option}", value]

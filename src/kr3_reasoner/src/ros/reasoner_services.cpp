@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <utility>
 
+#include <std_srvs/Trigger.h>
+
 #include <kr3_common/ros/status.hpp>
 #include <kr3_msgs/FindRelevant.h>
 #include <kr3_msgs/FindRetractions.h>
@@ -122,6 +124,13 @@ void ReasonerNode::offerHistory(ros::NodeHandle& nh)
     response.num_records = static_cast<std::uint32_t>(progress.num_records);
     response.kept_because = progress.kept_because;
   });
+  services_.push_back(nh.advertiseService<std_srvs::Trigger::Request, std_srvs::Trigger::Response>(
+      "reasoner/get_options",
+      [this](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+    response.success = 1;
+    response.message = jsonOf(config_.options);
+    return true;
+      }));
   serve<kr3_msgs::ReloadDomain>(nh, "reload_domain",
                                 [this](const auto&, auto&) { reloadDomain(); });
 }

@@ -81,4 +81,14 @@ std::string printable(const std::string& text, std::size_t max_size)
   return result;
 }
 
+std::string jsonOf(const ReasonerOptions& options)
+{
+  return std::string("{\"diagnose_exogenous\": ") +
+         (options.diagnose_exogenous ? "true" : "false") +
+         ", \"exception_weight\": " + std::to_string(options.exception_weight) +
+         ", \"exogenous_weight\": " + std::to_string(options.exogenous_weight) +
+         ", \"max_combinations\": " + std::to_string(options.max_combinations) +
+         ", \"window\": " + std::to_string(options.window) + "}";
+}
+
 }  // namespace kr3::reasoner

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "kr3_reasoner/reasoner.hpp"
+
 namespace kr3::reasoner
 {
 
@@ -14,5 +16,8 @@ namespace kr3::reasoner
 /// sent may stand in our answers, and clients in Python refuse what is no UTF-8.
 /// @param max_size  the rest is left out, and the text says so
 [[nodiscard]] std::string printable(const std::string& text, std::size_t max_size = 50000);
+
+/// The options on which answers depend, as one JSON object with the names of the parameters.
+[[nodiscard]] std::string jsonOf(const ReasonerOptions& options);
 
 }  // namespace kr3::reasoner
