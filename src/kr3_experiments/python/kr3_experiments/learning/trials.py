@@ -191,6 +191,11 @@ def attempt_of(
     )
 
 
+def _repeated(actions: Sequence[GroundAction]) -> List[GroundAction]:
+    """Those that were done twice: more of the same in the same state would tell of that state only."""
+    return [action for action in set(actions) if actions.count(action) > 1]
+
+
 def train(
     trainee: Trainee,
     curriculum: Curriculum,
@@ -207,9 +212,10 @@ def train(
     for attempt in log.attempts:
         curriculum.record(attempt)
     failed: List[GroundAction] = []
+    idle: List[GroundAction] = []  # since the state last changed
     while curriculum.left() > 0:
         before = trainee.truth()
-        action = curriculum.next(before, failed)
+        action = curriculum.next(before, [*failed, *_repeated(idle)])
         try:
             outcome = trainee.execute(action, before)
             after = trainee.truth()
@@ -225,6 +231,7 @@ def train(
                 ) from error
             continue
         failed = []
+        idle = [] if before != after else [*idle, action]
         log.add(attempt)
         curriculum.record(attempt)
         said = ", ".join(
