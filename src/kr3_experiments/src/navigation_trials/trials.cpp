@@ -119,6 +119,28 @@ bool connected(const sim::Building& building, const std::string& from, const std
   return std::find(reached.begin(), reached.end(), to) != reached.end();
 }
 
+/// Whether furniture leaves a way as wide as the robot's planner asks for.
+bool wayIsWide(const sim::Building& building, const Rectangle& area, const RobotOptions& options,
+               Point from, const Cell& to)
+{
+  const sim::Obstacles obstacles(building);
+  OccupancyGrid grid;
+  constexpr double kResolution = 0.1;
+  grid.geometry = {kResolution,
+                   {area.x_min, area.y_min},
+                   static_cast<int>(std::ceil(area.width() / kResolution)),
+                   static_cast<int>(std::ceil(area.height() / kResolution))};
+  grid.nodes.assign(grid.geometry.size(), Occupancy::kFree);
+  for (std::size_t node = 0; node < grid.nodes.size(); ++node)
+  {
+    const Point p = grid.geometry.center(static_cast<int>(node));
+    if (obstacles.clearance(p.x, p.y, kResolution) < kResolution / 2.0)
+      grid.nodes[node] = Occupancy::kOccupied;
+  }
+  const PathPlanner planner(grid, options.live_map.planner);
+  return planner.plan(from, presentStand(to, options.cells, planner)).found();
+}
+
 /// Where the robot starts in a cell: its stand point, or near it where something stands.
 Point startIn(const Cell& cell, const sim::Building& building, std::mt19937_64& random)
 {
@@ -248,8 +270,10 @@ bool DriveTrial::succeeded() const
 {
   if (report.contacts > 0)
     return false;
-  return possible ? report.arrived && report.in_cell
-                  : !report.arrived && report.reason.find("door between") != std::string::npos;
+  if (possible)
+    return report.arrived && report.in_cell;
+  return !report.arrived && (doors_open ? !report.reason.empty()
+                                        : report.reason.find("door between") != std::string::npos);
 }
 
 double shortestLength(const OccupancyGrid& grid, const PathPlannerOptions& options, Point from,
@@ -310,7 +334,9 @@ DriveTrial driveTrial(const Site& site, const OccupancyMap& map, const RobotOpti
   trial.run = run;
   trial.from = from.name;
   trial.to = to.name;
-  trial.possible = connected(today.building, from.place, to.place);
+  trial.doors_open = connected(today.building, from.place, to.place);
+  trial.possible = trial.doors_open && wayIsWide(today.building, areaOf(site.places, kGridMargin),
+                                                 robot_options, start, to);
   trial.shortest_m =
       shortestLength(live_map.grid(), robot_options.live_map.planner, start, to.stand);
   trial.shortest_s = trial.shortest_m / robot_options.driver.limits.max_linear;

@@ -67,15 +67,16 @@ struct DriveTrial
   int run = 0;
   std::string from;
   std::string to;
-  bool possible = true;     ///< by the building: no shut door keeps the goal apart from the start
+  bool doors_open = true;   ///< no shut door keeps the goal apart from the start
+  bool possible = true;     ///< and moved furniture leaves a way as wide as planning asks for
   double shortest_m = 0.0;  ///< the shortest way in the empty building
   double shortest_s = 0.0;  ///< and its time at full speed
   double simulator_cpu_s = 0.0;
   double navigation_cpu_s = 0.0;
   DriveReport report;
 
-  /// Arrived where the truth says so too, without contact; or named a door when shut doors leave no
-  /// way.
+  /// Arrived where the truth says so too, without contact; or said why there is no way when there
+  /// is none, naming a door when shut ones are the reason.
   [[nodiscard]] bool succeeded() const;
 };
 
