@@ -15,6 +15,7 @@ import platform
 import statistics
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -223,6 +224,35 @@ class Bench:
             self.add(Row(f"{domain}, trials: hits", hits, "", None, "higher", params))
 
 
+    def floors(self, threads: int) -> None:
+        """Trials a second on floors of rooms, from empty caches on: policies and plans included."""
+        sizes = (4, 10) if self.quick else (4, 5, 6, 8, 10, 15, 20, 30, 50, 100)
+        with tempfile.TemporaryDirectory() as folder:
+            for rooms in sizes:
+                floor = pathlib.Path(folder) / f"floor_{rooms}"
+                make = [str(ROOT / "scripts/make_floor.py"), str(floor), "--rooms", str(rooms)]
+                subprocess.run([*make, "--layout", "grid"], check=True, capture_output=True)
+                for method, goal in (("pa", 167.0), ("pa_star", 28.0)):
+                    self._floor_row(floor, rooms, method, goal, threads)
+
+    def _floor_row(
+        self, floor: pathlib.Path, rooms: int, method: str, goal: float, threads: int
+    ) -> None:
+        trials = max(4, (400 if self.quick else 2000) // rooms)
+        command = [self._executive, "missions", str(floor), "--method", method]
+        command += ["--trials", str(trials), "--threads", str(threads), "--obedience", "0"]
+        answer = answer_of(command)
+        params = {key: answer[key] for key in ("trials", "threads", "achieved", "ll_actions")}
+        params |= {"rooms": rooms, "method": method, "caches": answer["caches"]}
+        params |= {"stats": answer["stats"]}
+        for kind, key in (("from empty caches", "cold_trials_per_s"), ("warm", "trials_per_s")):
+            name = f"{method}, {rooms} rooms, trials {kind}"
+            self.add(Row(name, answer[key], "1/s", goal, "higher", params))
+        caches = answer["caches"] | {"policies": answer["stats"]}
+        rates = (f"{name} {cache['hit_rate']:.3f}" for name, cache in caches.items())
+        print(f"    hit rates: {', '.join(rates)}", flush=True)
+
+
 def answer_of(command: list[str]) -> dict:
     """@raises BenchmarkError  it failed"""
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -253,7 +283,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--runs", type=int, help="runs a time (5; quick: 3)")
     parser.add_argument("--trials", type=int, help="simulated trials a value (10000; quick: 1000)")
     parser.add_argument("--threads", type=int, default=2, help="of the missions (%(default)s)")
-    parser.add_argument("--sections", default="tasks,cache,missions", help="(%(default)s)")
+    parser.add_argument("--sections", default="tasks,cache,missions,floors", help="(%(default)s)")
     parser.add_argument("--json", type=pathlib.Path, help="write the figures to this file")
     args = parser.parse_args(arguments)
     try:
@@ -267,6 +297,7 @@ def main(arguments: list[str] | None = None) -> int:
             + [bench.tasks(workbench_tasks())],
             "cache": bench.cache,
             "missions": lambda: bench.missions(args.threads),
+            "floors": lambda: bench.floors(args.threads),
         }
         for name in args.sections.split(","):
             if name not in sections:

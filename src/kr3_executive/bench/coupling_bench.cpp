@@ -57,11 +57,13 @@ struct Options
   int trials = 200;
   int threads = 1;
   double obedience = 0.8;
+  std::string method = toString(Method::kPa);
 };
 
 AbstractMissionConfig missionConfig(const Options& options)
 {
   AbstractMissionConfig config;
+  config.method = methodNamed(options.method);
   config.driver.budget = options.budget;
   config.components_per_whole = options.cells;
   config.pitch_m = options.pitch_m;
@@ -168,6 +170,7 @@ json measureCache(const Options& options)
 class Silent : public MissionObserver
 {
 public:
+  [[nodiscard]] Interest interest() const override { return {false, false}; }
   void onEvent(const ReportedEvent& /*event*/) override {}
   void onBelief(const ReportedBelief& /*belief*/) override {}
   void onSnapshot(const Snapshot& /*snapshot*/) override {}
@@ -260,16 +263,26 @@ json statsOf(const PolicyCacheStats& stats)
           {"solve_cpu_s", stats.solve_cpu_s}};
 }
 
-/// The same trials twice: from an empty cache, and with the policies that this left.
+/// The same trials twice: from empty caches, and with what this left. The hit rates are those of
+/// the first time.
 json measureMissions(const Options& options)
 {
   AbstractMissionConfig config = missionConfig(options);
   config.policies = std::make_shared<PolicyCache>();
   std::vector<std::unique_ptr<AbstractMissions>> missions;
-  for (int i = 0; i < options.threads; ++i)
-    missions.push_back(std::make_unique<AbstractMissions>(options.domain, config));
+  missions.push_back(std::make_unique<AbstractMissions>(options.domain, config));
+  for (int i = 1; i < options.threads; ++i)
+    missions.push_back(missions.front()->another());
   const Trials cold = runTrials(options, missions);
   const json stats = statsOf(config.policies->stats());
+  json caches;
+  for (const auto& [name, cache] : missions.front()->cacheStats())
+  {
+    caches[name] = {{"asked", cache.hits + cache.misses},
+                    {"hit_rate", cache.hitRate()},
+                    {"entries", cache.entries},
+                    {"bytes", cache.bytes}};
+  }
   const Trials warm = runTrials(options, missions);
   const double n = options.trials;
   return {
@@ -281,7 +294,9 @@ json measureMissions(const Options& options)
       {"cold_ms", cold.cpu_ms / n},
       {"warm_ms", warm.cpu_ms / n},
       {"trials_per_s", 1e3 * options.threads * n / warm.cpu_ms},
+      {"cold_trials_per_s", 1e3 * options.threads * n / cold.cpu_ms},
       {"trials_per_wall_s", n / warm.wall_s},
+      {"caches", caches},
       {"stats", stats}};
 }
 
@@ -305,6 +320,7 @@ int main(int argc, char** argv)
   }
   cache->add_option("--runs", options.runs)->check(CLI::PositiveNumber);
   cache->add_option("--task", options.tasks, "STATE; ...|ACTION|FLUENT=VALUE|FLUENT=P")->required();
+  missions->add_option("--method", options.method, "pa, pa_star, ...");
   missions->add_option("--goal", options.goal, "default: the scenario's");
   missions->add_option("--trials", options.trials)->check(CLI::PositiveNumber);
   missions->add_option("--threads", options.threads)->check(CLI::PositiveNumber);

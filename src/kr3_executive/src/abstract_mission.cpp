@@ -43,6 +43,12 @@ public:
   {
   }
 
+  [[nodiscard]] Interest interest() const override
+  {
+    Interest interest = next_.interest();
+    interest.snapshots = true;
+    return interest;
+  }
   void onEvent(const ReportedEvent& event) override { next_.onEvent(event); }
   void onBelief(const ReportedBelief& belief) override { next_.onBelief(belief); }
   void onInput(const Input& input) override { next_.onInput(input); }
@@ -97,7 +103,45 @@ const reasoner::Literal* firstValued(const reasoner::Formula& goal)
 }  // namespace
 
 AbstractMissions::AbstractMissions(const std::string& directory, AbstractMissionConfig config)
-  : config_(std::move(config)), policies_(config_.policies)
+  : AbstractMissions(read(directory, config), config)
+{
+}
+
+AbstractMissions::AbstractMissions(std::shared_ptr<Shared> shared, AbstractMissionConfig config)
+  : config_(std::move(config))
+  , shared_(std::move(shared))
+  , policies_(config_.policies)
+  , knower_(shared_->domain->highLevel(), config_.plan, shared_->answers)
+  , reasoner_(descriptionFor(config_.method, shared_->domain->highLevel()), config_.plan,
+              shared_->answers, config_.driver.history_window)
+{
+}
+
+std::unique_ptr<AbstractMissions> AbstractMissions::another() const
+{
+  AbstractMissionConfig config = config_;
+  config.policies = policies_.cache();
+  return std::unique_ptr<AbstractMissions>(new AbstractMissions(shared_, std::move(config)));
+}
+
+std::map<std::string, ContentCacheStats> AbstractMissions::cacheStats() const
+{
+  const ReasonerCache& answers = *shared_->answers;
+  const PlanCosts& costs = *shared_->costs;
+  return {{"plans", answers.plans.stats()},
+          {"diagnoses", answers.diagnoses.stats()},
+          {"explanations", answers.explanations.stats()},
+          {"retractions", answers.retractions.stats()},
+          {"entailed", answers.entailed.stats()},
+          {"answers", answers.answers.stats()},
+          {"plan costs", costs.planStats()},
+          {"efforts", costs.effortStats()},
+          {"zooms", costs.tasks().zoomStats()},
+          {"tasks", costs.tasks().taskStats()}};
+}
+
+std::shared_ptr<AbstractMissions::Shared> AbstractMissions::read(
+    const std::string& directory, const AbstractMissionConfig& config)
 {
   const std::filesystem::path path(directory);
   if (!std::filesystem::is_directory(path))
@@ -107,26 +151,31 @@ AbstractMissions::AbstractMissions(const std::string& directory, AbstractMission
       refinement::readRefinementFile((path / "refinement.kr3").string(), high_level);
   const auto map_file = path / "map.yaml";
   refinement::ModelsOptions numbers;
-  numbers.require_learned = config_.require_learned;
-  const auto file = [&](const std::string& name) {
+  numbers.require_learned = config.require_learned;
+  const auto file = [&](const std::string& name)
+  {
     const std::string full = (path / name).string();
     return DomainFile{full, readTextFile(full)};
   };
   LoadedDomain loaded =
       load(high_level, refined,
            std::filesystem::exists(map_file) ? refinement::readComponentMap(map_file.string())
-                                             : gridOf(high_level, refined, config_),
-           file("models.yaml"), file(config_.bindings), numbers);
-  domain_ = std::move(loaded.domain);
-  models_ = std::move(loaded.models);
-  bindings_ = std::move(loaded.bindings);
+                                             : gridOf(high_level, refined, config),
+           file("models.yaml"), file(config.bindings), numbers);
+  Scenario scenario;
   if (std::filesystem::exists(path / "scenario.yaml"))
-    scenario_ = readScenario((path / "scenario.yaml").string(), high_level);
+    scenario = readScenario((path / "scenario.yaml").string(), high_level);
+  auto shared = std::make_shared<Shared>(
+      Shared{std::move(loaded.domain), std::move(loaded.models), std::move(loaded.bindings),
+             std::move(scenario)});
+  shared->costs =
+      std::make_shared<PlanCosts>(std::make_shared<TaskCache>(*shared->domain, shared->models));
+  return shared;
 }
 
 std::string AbstractMissions::targetFluent(const std::string& goal) const
 {
-  const auto formula = reasoner::parseGoal(goal, domain_->highLevel());
+  const auto formula = reasoner::parseGoal(goal, shared_->domain->highLevel());
   const auto* literal = firstValued(formula);
   if (literal == nullptr)
     throw InvalidArgument("the goal '" + goal + "' mentions no fluent with values; use --true");
@@ -136,16 +185,16 @@ std::string AbstractMissions::targetFluent(const std::string& goal) const
 TrialResult AbstractMissions::run(const std::string& goal, const std::vector<std::string>& truths,
                                   std::uint64_t seed, MissionObserver& observer)
 {
-  MissionSetup setup{goal, truths, seed, scenario_.initial_records, config_.driver.limits};
+  MissionSetup setup{goal, truths, seed, shared_->scenario.initial_records, config_.driver.limits};
   return run(setup, observer);
 }
 
 TrialResult AbstractMissions::run(const MissionSetup& setup, MissionObserver& observer,
                                   const ExecutorOf& executor)
 {
-  const auto formula = reasoner::parseGoal(setup.goal, domain_->highLevel());
-  InProcessReasoner knower(domain_->highLevel(), config_.plan);
-  knower.setHistory(setup.initial_records);
+  const auto formula = reasoner::parseGoal(setup.goal, shared_->domain->highLevel());
+  knower_.restart(ConfidenceMatch::kExact);
+  knower_.setHistory(setup.initial_records);
   FluentValues coarse;
   FluentValues fine;
   const auto add = [](const std::string& text, FluentValues& values) {
@@ -153,20 +202,21 @@ TrialResult AbstractMissions::run(const MissionSetup& setup, MissionObserver& ob
     if (literal.equal)
       values[literal.fluent()] = literal.value;
   };
-  for (const auto& literal : knower.entailedAt(0))
+  for (const auto& literal : knower_.entailedAt(0))
     add(literal, coarse);
   for (const auto& truth : setup.truths)
   {
     if (const auto literal = lowLevelLiteral(truth))
       add(*literal, fine);
     else
-      add(reasoner::toString(reasoner::parseGroundLiteral(truth, domain_->highLevel())), coarse);
+      add(reasoner::toString(reasoner::parseGroundLiteral(truth, shared_->domain->highLevel())),
+          coarse);
   }
 
-  AbstractWorld world(*domain_, models_, setup.seed);
+  AbstractWorld world(*shared_->domain, shared_->models, setup.seed);
   world.setNoise(setup.noise);
   world.reset(coarse, fine);
-  const Narrator narrator(bindings_.phrases(), domain_->highLevel());
+  const Narrator narrator(shared_->bindings.phrases(), shared_->domain->highLevel());
   Mission* told = nullptr;
   std::unique_ptr<LowLevelExecutor> between;
   if (executor)
@@ -190,13 +240,14 @@ TrialResult AbstractMissions::run(const MissionSetup& setup, MissionObserver& ob
     });
   }
   LowLevelExecutor& acting = between ? *between : world;
-  RecordWitness witness(observer, domain_->highLevel(), world, setup.limits.threshold);
-  InProcessReasoner reasoner(descriptionFor(config_.method, domain_->highLevel()), config_.plan,
-                             {{}, config_.driver.history_window});
-  const auto mission = makeMission(config_.method,
-                                   {*domain_, models_, narrator, reasoner, policies_, acting,
-                                    witness, [&world] { return world.now(); }, config_.driver},
-                                   config_.baseline, baseline_cache_);
+  reasoner_.restart(observer.interest().narration ? ConfidenceMatch::kExact
+                                                  : ConfidenceMatch::kBelowOne);
+  RecordWitness witness(observer, shared_->domain->highLevel(), world, setup.limits.threshold);
+  const auto mission =
+      makeMission(config_.method,
+                  {*shared_->domain, shared_->models, narrator, reasoner_, policies_, acting,
+                   witness, [&world] { return world.now(); }, config_.driver, shared_->costs},
+                  config_.baseline, baseline_cache_);
   told = mission.get();
   TrialResult result;
   result.mission = mission->achieve(setup.goal, setup.initial_records, setup.limits, 0.0);
@@ -211,7 +262,7 @@ std::optional<std::string> AbstractMissions::lowLevelLiteral(const std::string& 
 {
   try
   {
-    return reasoner::toString(reasoner::parseGroundLiteral(text, domain_->description()));
+    return reasoner::toString(reasoner::parseGroundLiteral(text, shared_->domain->description()));
   }
   catch (const InvalidArgument&)
   {

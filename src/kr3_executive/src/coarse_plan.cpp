@@ -270,7 +270,10 @@ void CoarsePlan::simulate(StateId state, std::size_t action, double probability,
     if (value == "true" || value == "false")
       distribution[value == "true" ? "false" : "true"] = 1.0 - probability;
   }
-  const LowLevelTask begun(domain_, task(state, action, knowledge, objective), knowledge);
+  const LowLevelTask begun(
+      domain_,
+      std::make_shared<const refinement::PomdpTask>(task(state, action, knowledge, objective)),
+      knowledge);
   const std::atomic<bool> never{false};
   const std::string policy = policies_.solve(begun.pomdp().model(), budget_, never).id;
   model = simulatedOption(begun, policies_, policy,

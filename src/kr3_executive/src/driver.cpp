@@ -9,18 +9,19 @@ MissionDriver::MissionDriver(const refinement::LowLevelDomain& domain,
                              const refinement::Models& models, const Narrator& narrator,
                              HighLevelReasoner& reasoner, PolicyServer& policies,
                              LowLevelExecutor& executor, MissionObserver& observer, Clock clock,
-                             DriverConfig config)
+                             DriverConfig config, std::shared_ptr<PlanCosts> costs)
   : domain_(domain)
-  , models_(models)
   , narrator_(narrator)
   , reasoner_(reasoner)
   , policies_(policies)
   , executor_(executor)
   , observer_(observer)
+  , interest_(observer.interest())
   , clock_(std::move(clock))
   , config_(std::move(config))
   , high_level_laws_(domain.highLevel())
-  , costs_(domain, models)
+  , costs_(costs ? std::move(costs)
+                 : std::make_shared<PlanCosts>(std::make_shared<TaskCache>(domain, models)))
 {
 }
 
@@ -67,7 +68,8 @@ MissionResult MissionDriver::achieve(const std::string& goal,
   if (knowledge_.history.empty())
     given.records = initial;
   running_ = true;
-  note(MissionBegun{goal, initial, limits, time_limit_s, config_, knowledge_, settings});
+  if (interest_.log)
+    note(MissionBegun{goal, initial, limits, time_limit_s, config_, knowledge_, settings});
   apply(given);
   if (summed_up > 0)
     report(EventKind::kRecord, narrator_.summedUp(summed_up, knowledge_.history.size()));
@@ -152,29 +154,35 @@ void MissionDriver::apply(const Event& event)
   }
   state_ = std::move(transition.state);
   decision_ = std::move(transition.decision);
-  note(reported(decision_, state_));
+  note([this] { return reported(decision_, state_); });
 
   if (std::holds_alternative<GoalGiven>(event))
-    report(EventKind::kGoal, narrator_.goal(state_.goal));
+    report(EventKind::kGoal, [this] { return narrator_.goal(state_.goal); });
   if (const auto* plans = std::get_if<PlanReady>(&event); plans != nullptr && state_.plan)
   {
     if (state_.plan_index == 0 && phase == Phase::kPreparing)
-      report(EventKind::kPlan, narrator_.plan(*state_.plan, plans->plans.size()));
+    {
+      report(EventKind::kPlan, [&] { return narrator_.plan(*state_.plan, plans->plans.size()); });
+    }
   }
   if (std::holds_alternative<RequestPlan>(decision_) && had_plan && !replaced.empty() &&
       state_.last_result != ActionResult::kAchieved)
   {
-    report(EventKind::kReplan, narrator_.replan(replaced + " was " + toString(state_.last_result)));
+    report(EventKind::kReplan,
+           [&] { return narrator_.replan(replaced + " was " + toString(state_.last_result)); });
   }
   if (const auto* request = std::get_if<RequestPolicy>(&decision_);
       request != nullptr && !request->rebuild)
-    report(EventKind::kHighLevelAction, narrator_.highLevelAction(request->action, state_.step));
+  {
+    report(EventKind::kHighLevelAction,
+           [&] { return narrator_.highLevelAction(request->action, state_.step); });
+  }
   if (const auto* finish = std::get_if<Finish>(&decision_))
   {
     const EventKind kind = finish->achieved                        ? EventKind::kDone
                            : finish->code == ErrorCode::kCancelled ? EventKind::kCancelled
                                                                    : EventKind::kFailed;
-    report(kind, narrator_.end(*finish, state_));
+    report(kind, [&] { return narrator_.end(*finish, state_); });
   }
   publish();
 }
@@ -198,13 +206,17 @@ Event MissionDriver::perform(const Decision& decision)
 
 void MissionDriver::note(const Input& input)
 {
-  observer_.onInput(input);
+  if (interest_.log)
+    observer_.onInput(input);
 }
 
-void MissionDriver::note(ReportedDecision decision)
+void MissionDriver::note(const std::function<ReportedDecision()>& decision)
 {
-  decision.sequence = num_decisions_++;
-  observer_.onDecision(decision);
+  if (!interest_.log)
+    return;
+  ReportedDecision reported = decision();
+  reported.sequence = num_decisions_++;
+  observer_.onDecision(reported);
 }
 
 }  // namespace kr3::executive

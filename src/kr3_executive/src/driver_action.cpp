@@ -25,13 +25,12 @@ Event MissionDriver::performPolicy(const RequestPolicy& request)
   try
   {
     task_state_ = believedState(state_.plan->plan.hypothesis);
-    const auto zoom = refinement::zoom(
-        domain_, task_state_, reasoner::parseGroundAction(request.action, domain_.highLevel()));
-    auto knowledge = initialKnowledge(domain_, zoom, knowledge_.memory,
+    const auto zoom = costs_->tasks().zoom(highLevelState(task_state_), request.action);
+    auto knowledge = initialKnowledge(domain_, zoom->zoom, knowledge_.memory,
                                       [this](const std::string& l) { return supportOf(l); });
-    allowForChange(zoom, knowledge);
-    task_ = std::make_unique<LowLevelTask>(
-        domain_, refinement::generatePomdp(domain_, models_, zoom, knowledge), knowledge);
+    allowForChange(zoom->zoom, knowledge);
+    task_ =
+        std::make_unique<LowLevelTask>(domain_, costs_->tasks().task(*zoom, knowledge), knowledge);
   }
   catch (const FailedPrecondition& e)
   {
@@ -39,7 +38,8 @@ Event MissionDriver::performPolicy(const RequestPolicy& request)
     return ActionImpossible{e.what(), situationOf(request.action)};
   }
   const SolvedPolicy policy = solvePolicy(request.action);
-  report(EventKind::kPolicy, narrator_.policy(request.action, policy, task_->pomdp()));
+  report(EventKind::kPolicy,
+         [&] { return narrator_.policy(request.action, policy, task_->pomdp()); });
   return PolicyReady{task_->assess(), situationOf(request.action)};
 }
 
@@ -47,9 +47,11 @@ SolvedPolicy MissionDriver::solvePolicy(const std::string& action)
 {
   const SolvedPolicy policy = policies_.solve(task_->pomdp().model(), config_.budget, cancel_);
   policy_id_ = policy.id;
-  ReportedDecision decision = reported(action, policy, task_->belief());
-  decision.cut_short = policy.isCutShort(config_.budget);
-  note(std::move(decision));
+  note([&] {
+    ReportedDecision decision = reported(action, policy, task_->belief());
+    decision.cut_short = policy.isCutShort(config_.budget);
+    return decision;
+  });
   return policy;
 }
 
@@ -66,7 +68,9 @@ Event MissionDriver::performAction()
     index = policies_.actionAt(policy_id_, task_->belief());
   }
   const bool finishes = task_->isFinish(index);
-  note(reportedLowLevel(finishes ? std::string() : task_->action(index).text, task_->belief()));
+  note([&] {
+    return reportedLowLevel(finishes ? std::string() : task_->action(index).text, task_->belief());
+  });
   if (finishes)
     return PolicyFinished{assessed()};
 
@@ -87,7 +91,16 @@ Event MissionDriver::performAction()
   const bool explained = task_->update(index, result.observation, result.confidence);
   const std::vector<std::string> ignored = takeInSightings(result.sightings);
   task_->remember(knowledge_.memory);
-  report(EventKind::kLowLevelAction, narrator_.lowLevelAction(action, result, *task_, ignored));
+  report(EventKind::kLowLevelAction,
+         [&] { return narrator_.lowLevelAction(action, result, *task_, ignored); });
+  publishBelief();
+  return afterObservation(action, explained);
+}
+
+void MissionDriver::publishBelief()
+{
+  if (!interest_.narration)
+    return;
   ReportedBelief belief{state_.currentAction(),
                         static_cast<std::uint32_t>(state_.step),
                         {},
@@ -95,7 +108,6 @@ Event MissionDriver::performAction()
   for (const auto& fluent : task_->pomdp().fluents())
     belief.fluents[fluent.name] = task_->pomdp().fineMarginal(task_->belief(), fluent.name);
   observer_.onBelief(belief);
-  return afterObservation(action, explained);
 }
 
 void MissionDriver::allowForChange(const refinement::Zoom& zoom,

@@ -88,18 +88,20 @@ std::vector<CostedPlan> MissionDriver::plansToConfirmGoal()
 
 std::size_t MissionDriver::stepThatChecks(const reasoner::Plan& plan, const std::string& fluent)
 {
-  std::vector<Literal> state = believedState(plan.hypothesis);
+  auto state =
+      std::make_shared<const HighLevelState>(highLevelState(believedState(plan.hypothesis)));
   for (std::size_t i = 0; i < plan.steps.size(); ++i)
   {
-    const auto action = reasoner::parseGroundAction(plan.steps[i].front(), domain_.highLevel());
+    const std::string& action = plan.steps[i].front();
     try
     {
-      const auto start = refinement::zoom(domain_, state, action).start;
+      const auto zoom = costs_->tasks().zoom(*state, action);
+      const auto& start = zoom->zoom.start;
       if (std::any_of(start.begin(), start.end(), [&](const Literal& literal) {
             return reasoner::toString(literal.atom) == fluent;
           }))
         return i;
-      state = refinement::successor(domain_.highLevel(), state, action);
+      state = costs_->tasks().successor(*state, action);
     }
     catch (const FailedPrecondition&)  // what is believed does not fit the plan
     {

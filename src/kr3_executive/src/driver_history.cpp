@@ -126,14 +126,17 @@ Event MissionDriver::performRecords(const std::vector<Record>& records)
     if (later && !isAction(record) && told_already)
       continue;  // it follows from the record before it
     const bool asked = !isAction(record) && !record.value && !later;
-    surprises_.push_back(
-        narrator_.surprise(record, asked ? supportOf(record.statement, record.step) : Support{}));
+    if (interest_.narration)
+    {
+      surprises_.push_back(
+          narrator_.surprise(record, asked ? supportOf(record.statement, record.step) : Support{}));
+    }
     if (!isAction(record))
       surprised_fluents_.push_back(takeApart(record.statement).fluent());
   }
   addToHistory(records);
   for (std::size_t i = 0; i < records.size(); ++i)
-    report(EventKind::kRecord, narrator_.record(records[i], surprising[i]));
+    report(EventKind::kRecord, [&] { return narrator_.record(records[i], surprising[i]); });
   if (!unexpected)
     refreshFacts();
   return RecordsAdded{currentStep(knowledge_.history), unexpected};
@@ -142,10 +145,10 @@ Event MissionDriver::performRecords(const std::vector<Record>& records)
 Event MissionDriver::performDiagnosis()
 {
   const reasoner::Diagnosis diagnosis = reasoner_.diagnose();
-  note(reported(diagnosis));
+  note([&] { return reported(diagnosis); });
   const std::vector<std::string> known = std::exchange(exceptions_, {});
   std::vector<std::string> expectations;
-  if (diagnosis.consistent)
+  if (diagnosis.consistent && interest_.narration)
   {
     if (!diagnosis.explanations.empty())
       exceptions_ = diagnosis.explanations.front();
@@ -161,8 +164,9 @@ Event MissionDriver::performDiagnosis()
                              (support.reason.empty() ? "" : " (" + support.reason + ")"));
     }
   }
-  report(EventKind::kDiagnosis,
-         narrator_.diagnosis(surprises_, diagnosis, known, expected_by_default_, expectations));
+  report(EventKind::kDiagnosis, [&] {
+    return narrator_.diagnosis(surprises_, diagnosis, known, expected_by_default_, expectations);
+  });
   surprises_.clear();
   surprised_fluents_.clear();
   refreshFacts();
@@ -199,7 +203,7 @@ void MissionDriver::takeInTold()
   }
   addToHistory(told);
   for (const auto& record : told)
-    report(EventKind::kRecord, narrator_.record(record, false));
+    report(EventKind::kRecord, [&] { return narrator_.record(record, false); });
   refreshFacts();
   publish();
 }
@@ -207,7 +211,7 @@ void MissionDriver::takeInTold()
 void MissionDriver::refreshFacts()
 {
   facts_.clear();
-  if (!config_.explain_facts || state_.goal.empty())
+  if (!config_.explain_facts || state_.goal.empty() || !interest_.narration)
     return;
   std::vector<std::string> constants;
   collectConstants(reasoner::parseGoal(state_.goal, domain_.highLevel()), constants);
@@ -232,20 +236,24 @@ void MissionDriver::refreshFacts()
   }
 }
 
-void MissionDriver::report(EventKind kind, Narration narration)
+void MissionDriver::report(EventKind kind, const std::function<Narration()>& narration)
 {
+  if (!interest_.narration)
+    return;
   ReportedEvent event;
   event.kind = kind;
   event.sequence = sequence_++;
   event.hl_step = static_cast<std::uint32_t>(state_.step);
   event.hl_action = state_.currentAction();
   event.ll_action = ll_action_;
-  event.narration = std::move(narration);
+  event.narration = narration();
   observer_.onEvent(event);
 }
 
 void MissionDriver::publish()
 {
+  if (!interest_.snapshots)
+    return;
   observer_.onSnapshot({state_, ll_action_, knowledge_.history, facts_, exceptions_});
 }
 

@@ -66,7 +66,10 @@ Event MissionDriver::performPlan(const RequestPlan& request)
   if (event.plans.size() > 1)
     costPlans(event.plans);
   // A reason although there are plans: wall time left others out.
-  note(reported(event.plans, !result.complete && !result.plans.empty() && !result.reason.empty()));
+  note([&] {
+    return reported(event.plans,
+                    !result.complete && !result.plans.empty() && !result.reason.empty());
+  });
   return event;
 }
 
@@ -124,7 +127,7 @@ void MissionDriver::costPlans(std::vector<CostedPlan>& plans)
   const double threshold = state_.limits.threshold;
   const double prior = config_.least_hypothesis_probability;
   const auto cost = [&](const std::vector<WeightedPlan>& weighted) {
-    return costs_.expected(known, weighted, threshold, prior);
+    return costs_->expected(known, weighted, threshold, prior);
   };
   // Of the plans for one hypothesis the cheapest stands for all when hypotheses are compared.
   std::map<std::vector<std::string>, std::size_t> cheapest;

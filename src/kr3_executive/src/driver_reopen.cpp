@@ -247,9 +247,11 @@ Event MissionDriver::performReopen()
   {
     const LiteralText literal = takeApart(record.statement);
     forget(domain_, knowledge_.memory, literal.fluent(), literal.value);
-    Narration narration = narrator_.record(record, false);
-    narration.text = "taken back as the least certain record: " + narration.text;
-    report(EventKind::kRecord, std::move(narration));
+    report(EventKind::kRecord, [&] {
+      Narration narration = narrator_.record(record, false);
+      narration.text = "taken back as the least certain record: " + narration.text;
+      return narration;
+    });
   }
   const reasoner::Diagnosis diagnosis = reasoner_.diagnose();
   exceptions_ = diagnosis.consistent && !diagnosis.explanations.empty()

@@ -291,7 +291,9 @@ bool HierarchicalController::begin(const Choice& choice, const DomainBelief& bel
     active_.emplace(Active{
         plan_->actionText(choice.action),
         LowLevelTask(belief.task().domain(),
-                     plan_->task(choice.state, choice.action, actual, choice.objective), actual),
+                     std::make_shared<const refinement::PomdpTask>(
+                         plan_->task(choice.state, choice.action, actual, choice.objective)),
+                     actual),
         policy, 0, 0, choice.is_look ? std::optional(choice.action) : std::nullopt});
   }
   catch (const FailedPrecondition&)  // nothing to do there, or impossible

@@ -2,6 +2,7 @@
 /// ROS.
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -9,7 +10,10 @@
 #include <iomanip>
 #include <iostream>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -32,6 +36,7 @@ class Printer : public MissionObserver
 {
 public:
   explicit Printer(bool quiet) : quiet_(quiet) {}
+  [[nodiscard]] Interest interest() const override { return {!quiet_, false}; }
   void onEvent(const ReportedEvent& event) override
   {
     if (!quiet_)
@@ -50,6 +55,7 @@ struct Options
   std::string goal;
   std::uint64_t seed = 1;
   std::uint64_t trials = 1;
+  std::size_t threads = 1;
   std::string target_at;
   std::vector<std::string> truths;
   std::vector<std::string> scripts;
@@ -57,6 +63,7 @@ struct Options
   std::string method = toString(Method::kPa);
   std::string flat_planning = toString(FlatPlanning::kBest);
   bool quiet = false;
+  bool caches = false;
 };
 
 void addOptions(CLI::App& app, Options& options)
@@ -70,6 +77,9 @@ void addOptions(CLI::App& app, Options& options)
   app.add_option("--goal", options.goal, "formula; default: that of scenario.yaml");
   app.add_option("--seed", options.seed, "of the first trial; the others count on");
   app.add_option("--trials", options.trials)->check(CLI::PositiveNumber);
+  app.add_option("--threads", options.threads,
+                 "of a table's trials, which come out the same for any number")
+      ->check(CLI::PositiveNumber);
   app.add_option(
       "--target-at", options.target_at,
       "true value of the fluent that the goal is about; random: drawn anew for each trial");
@@ -94,8 +104,9 @@ void addOptions(CLI::App& app, Options& options)
   app.add_flag("--require-learned", options.mission.require_learned,
                "refuse numbers of models.yaml that were not learned from trials");
   app.add_flag("--quiet", options.quiet, "print the summary only");
+  app.add_flag("--caches", options.caches, "print what the caches answered");
   for (const char* name :
-       {"--goal", "--seed", "--trials", "--target-at", "--true", "--cells-per-place",
+       {"--goal", "--seed", "--trials", "--threads", "--target-at", "--true", "--cells-per-place",
         "--max-backups", "--solve-time", "--default-probability", "--bindings"})
     script->excludes(app.get_option(name));  // a script says all of it
   app.callback([domain, script] {
@@ -114,11 +125,72 @@ std::vector<Method> methodsOf(const std::string& text)
   return methods;
 }
 
+/// The missions of one trial after the other, dealt out to the threads.
+std::vector<TrialResult> runTrials(const Options& options, AbstractMissions& missions,
+                                   const std::string& goal)
+{
+  std::vector<TrialResult> results(options.trials);
+  std::vector<std::unique_ptr<AbstractMissions>> others;
+  for (std::size_t i = 1; i < options.threads; ++i)
+    others.push_back(missions.another());
+  std::atomic<std::uint64_t> next{0};
+  std::mutex mutex;
+  std::exception_ptr failure;
+  const auto work = [&](AbstractMissions& own) {
+    Printer printer(true);
+    try
+    {
+      for (std::uint64_t trial = next++; trial < options.trials; trial = next++)
+      {
+        const std::uint64_t seed = options.seed + trial;
+        std::vector<std::string> truths = options.truths;
+        if (options.target_at == "random")
+          truths = drawnTruths(own, goal, seed);
+        else if (!options.target_at.empty())
+          truths.push_back(own.targetFluent(goal) + " = " + options.target_at);
+        results[trial] = own.run(goal, truths, seed, printer);
+      }
+    }
+    catch (...)
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      failure = std::current_exception();
+      next = options.trials;
+    }
+  };
+  std::vector<std::thread> threads;
+  for (const auto& other : others)
+    threads.emplace_back(work, std::ref(*other));
+  work(missions);
+  for (auto& thread : threads)
+    thread.join();
+  if (failure)
+    std::rethrow_exception(failure);
+  return results;
+}
+
+void printCaches(const AbstractMissions& missions)
+{
+  const PolicyCacheStats policies = missions.policyStats();
+  std::map<std::string, ContentCacheStats> all = missions.cacheStats();
+  all["policies"] = {policies.hits + policies.disk_hits, policies.misses, policies.evictions,
+                     policies.policies, policies.bytes};
+  std::cout << std::left << std::setw(16) << "cache" << std::right << std::setw(10) << "asked"
+            << std::setw(10) << "hit rate" << std::setw(10) << "entries" << std::setw(10) << "MB"
+            << "\n";
+  for (const auto& [name, stats] : all)
+  {
+    std::cout << std::left << std::setw(16) << name << std::right << std::setw(10)
+              << stats.hits + stats.misses << std::setw(10) << std::fixed << std::setprecision(4)
+              << stats.hitRate() << std::setw(10) << stats.entries << std::setw(10)
+              << std::setprecision(1) << 1e-6 * static_cast<double>(stats.bytes) << "\n";
+  }
+}
+
 /// The same trials by several methods, and a table.
 int compare(const Options& options, const std::vector<Method>& methods)
 {
   std::vector<MethodTrials> all;
-  Printer printer(true);
   for (const Method method : methods)
   {
     AbstractMissionConfig config = options.mission;
@@ -128,18 +200,11 @@ int compare(const Options& options, const std::vector<Method>& methods)
     const std::string goal = options.goal.empty() ? missions.scenario().goal : options.goal;
     MethodTrials trials{method, {}, 0.0};
     const auto start = std::chrono::steady_clock::now();
-    for (std::uint64_t trial = 0; trial < options.trials; ++trial)
-    {
-      const std::uint64_t seed = options.seed + trial;
-      std::vector<std::string> truths = options.truths;
-      if (options.target_at == "random")
-        truths = drawnTruths(missions, goal, seed);
-      else if (!options.target_at.empty())
-        truths.push_back(missions.targetFluent(goal) + " = " + options.target_at);
-      trials.results.push_back(missions.run(goal, truths, seed, printer));
-    }
+    trials.results = runTrials(options, missions, goal);
     trials.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     all.push_back(std::move(trials));
+    if (options.caches)
+      printCaches(missions);
   }
   printComparison(std::cout, all);
   return EXIT_SUCCESS;

@@ -133,12 +133,13 @@ std::vector<ObservedFluent> observedFluents(const reasoner::Description& low_lev
   return observed;
 }
 
-LowLevelTask::LowLevelTask(const refinement::LowLevelDomain& domain, refinement::PomdpTask pomdp,
+LowLevelTask::LowLevelTask(const refinement::LowLevelDomain& domain,
+                           std::shared_ptr<const refinement::PomdpTask> pomdp,
                            const refinement::InitialKnowledge& knowledge)
   : domain_(domain)
   , pomdp_(std::move(pomdp))
-  , belief_(pomdp_.model().initialBelief())
-  , symbol_(symbolOf(pomdp_.zoom().action))
+  , belief_(pomdp_->model().initialBelief())
+  , symbol_(symbolOf(pomdp_->zoom().action))
   , remembered_(std::any_of(knowledge.fine.begin(), knowledge.fine.end(),
                             [](const auto& known) { return known.second.count(kElsewhere) != 0; }))
 {
@@ -146,33 +147,33 @@ LowLevelTask::LowLevelTask(const refinement::LowLevelDomain& domain, refinement:
 
 LowLevelAction LowLevelTask::action(std::size_t index) const
 {
-  return {pomdp_.model().actionName(index), pomdp_.actionSymbol(index),
-          pomdp_.actionArguments(index)};
+  return {pomdp_->model().actionName(index), pomdp_->actionSymbol(index),
+          pomdp_->actionArguments(index)};
 }
 
 std::size_t LowLevelTask::observationIndex(std::size_t action,
                                            const std::vector<std::string>& observation) const
 {
-  const auto& possible = pomdp_.observationsOf(action);
+  const auto& possible = pomdp_->observationsOf(action);
   std::string name;
   for (const auto& value : observation)
     name += (name.empty() ? "" : ",") + value;
   if (observation.empty())
     name = kNoObservation;
-  const auto index = pomdp_.model().findObservation(name);
+  const auto index = pomdp_->model().findObservation(name);
   if (index && std::find(possible.begin(), possible.end(), *index) != possible.end())
     return *index;
-  return pomdp_.model().numObservations();  // beyond the zoom
+  return pomdp_->model().numObservations();  // beyond the zoom
 }
 
 bool LowLevelTask::mayErr(std::size_t action, std::size_t observation) const
 {
-  if (observation == pomdp_.model().numObservations())
+  if (observation == pomdp_->model().numObservations())
     return false;
   try
   {
-    const auto posterior = pomdp::updated(pomdp_.model(), belief_, action, observation).posterior;
-    return posterior.probabilities().at(pomdp_.boundaryState()) < 1.0 - 1e-9;
+    const auto posterior = pomdp::updated(pomdp_->model(), belief_, action, observation).posterior;
+    return posterior.probabilities().at(pomdp_->boundaryState()) < 1.0 - 1e-9;
   }
   catch (const FailedPrecondition&)
   {
@@ -203,7 +204,7 @@ bool LowLevelTask::update(std::size_t action, const std::vector<std::string>& ob
   {
     if (!laws[i].value.empty())
       continue;
-    const auto& fluents = pomdp_.fluents();
+    const auto& fluents = pomdp_->fluents();
     const auto zoomed = std::find_if(fluents.begin(), fluents.end(), [&](const auto& fluent) {
       return fluent.name == laws[i].fluent;
     });
@@ -229,12 +230,12 @@ bool LowLevelTask::update(std::size_t action, const std::vector<std::string>& ob
   if (!explained)
     return false;
   const std::size_t index = observationIndex(action, told);
-  if (index == pomdp_.model().numObservations())
+  if (index == pomdp_->model().numObservations())
     return false;
   try
   {
-    belief_ = tempered(pomdp_.model(), belief_, action, index, confidence,
-                       pomdp_.observationsOf(action).size());
+    belief_ = tempered(pomdp_->model(), belief_, action, index, confidence,
+                       pomdp_->observationsOf(action).size());
   }
   catch (const FailedPrecondition&)
   {
@@ -249,7 +250,7 @@ void LowLevelTask::notice(const SightingLikelihood& sighting)
   const auto known = noticed_.find(fluent);
   noticed_[fluent] = sighting.applied(known == noticed_.end() ? unknownValue() : known->second);
 
-  const auto& fluents = pomdp_.fluents();
+  const auto& fluents = pomdp_->fluents();
   const auto zoomed = std::find_if(fluents.begin(), fluents.end(),
                                    [&](const auto& candidate) { return candidate.name == fluent; });
   if (zoomed == fluents.end())
@@ -261,9 +262,9 @@ void LowLevelTask::notice(const SightingLikelihood& sighting)
   for (std::size_t state = 0; state < next.size(); ++state)
   {
     double likelihood = outside;
-    if (pomdp_.kind(state) == refinement::PomdpTask::StateKind::kPhysical)
+    if (pomdp_->kind(state) == refinement::PomdpTask::StateKind::kPhysical)
     {
-      const auto value = static_cast<std::size_t>(pomdp_.physicalState(state)[index]);
+      const auto value = static_cast<std::size_t>(pomdp_->physicalState(state)[index]);
       const std::string& name = zoomed->values[value];
       likelihood = name == kElsewhere ? outside : sighting.of(name);
     }
@@ -280,10 +281,10 @@ void LowLevelTask::notice(const SightingLikelihood& sighting)
 std::optional<double> LowLevelTask::beliefIn(const std::string& coarse_fluent,
                                              const std::string& value) const
 {
-  const auto coarse = pomdp_.coarseFluents();
+  const auto coarse = pomdp_->coarseFluents();
   if (std::find(coarse.begin(), coarse.end(), coarse_fluent) == coarse.end())
     return std::nullopt;
-  const auto marginal = pomdp_.coarseMarginal(belief_, coarse_fluent);
+  const auto marginal = pomdp_->coarseMarginal(belief_, coarse_fluent);
   const auto entry = marginal.find(value);
   return entry == marginal.end() ? 0.0 : entry->second;
 }
@@ -291,21 +292,21 @@ std::optional<double> LowLevelTask::beliefIn(const std::string& coarse_fluent,
 Assessment LowLevelTask::assess() const
 {
   Assessment assessment;
-  assessment.achieved = pomdp_.successProbability(belief_);
+  assessment.achieved = pomdp_->successProbability(belief_);
   assessment.remembered = remembered_;
   assessment.attempted = attempted_;
-  for (const auto& effect : pomdp_.zoom().effects)
+  for (const auto& effect : pomdp_->zoom().effects)
     assessment.effects.push_back(reasoner::toString(effect));
-  for (const auto& literal : pomdp_.zoom().start)
+  for (const auto& literal : pomdp_->zoom().start)
   {
     const std::string name = reasoner::toString(literal.atom);
-    const auto& fluents = pomdp_.fluents();
+    const auto& fluents = pomdp_->fluents();
     const bool hidden = std::any_of(fluents.begin(), fluents.end(), [&](const auto& fluent) {
       return fluent.name == name && !fluent.values.empty() && fluent.values.back() == kElsewhere;
     });
     if (!hidden || !literal.equal)
       continue;
-    const auto marginal = pomdp_.coarseMarginal(belief_, name);
+    const auto marginal = pomdp_->coarseMarginal(belief_, name);
     const auto elsewhere = marginal.find(kElsewhere);
     if (elsewhere != marginal.end())
       assessment.refutations.push_back({reasoner::toString(literal), elsewhere->second});
@@ -354,14 +355,14 @@ Distribution LowLevelTask::rememberedValues(const std::string& fluent, const Dis
 
 void LowLevelTask::remember(LowLevelMemory& memory) const
 {
-  for (const auto& fluent : pomdp_.fluents())
+  for (const auto& fluent : pomdp_->fluents())
   {
-    const Distribution values = normalised(pomdp_.fineMarginal(belief_, fluent.name));
+    const Distribution values = normalised(pomdp_->fineMarginal(belief_, fluent.name));
     if (values.empty())
       continue;
     const std::string most = firstOf(values);
     std::string assumed = most == kElsewhere ? std::string() : domain_.coarse(most);
-    for (const auto& literal : pomdp_.zoom().start)
+    for (const auto& literal : pomdp_->zoom().start)
     {
       if (assumed.empty() && reasoner::toString(literal.atom) == coarseFluent(domain_, fluent.name))
         assumed = literal.value.name;
@@ -370,7 +371,7 @@ void LowLevelTask::remember(LowLevelMemory& memory) const
   }
   for (const auto& [fluent, values] : noticed_)
   {
-    const auto& zoomed = pomdp_.fluents();
+    const auto& zoomed = pomdp_->fluents();
     if (std::any_of(zoomed.begin(), zoomed.end(), [&](const auto& f) { return f.name == fluent; }))
       continue;
     const std::string most = firstOf(values);
@@ -380,7 +381,7 @@ void LowLevelTask::remember(LowLevelMemory& memory) const
   // What was observed last outweighs a belief that could not take it in.
   for (const auto& [fluent, value] : observed_)
   {
-    const auto& fluents = pomdp_.fluents();
+    const auto& fluents = pomdp_->fluents();
     const auto zoomed = std::find_if(fluents.begin(), fluents.end(),
                                      [&](const auto& f) { return f.name == fluent; });
     if (zoomed == fluents.end() ||

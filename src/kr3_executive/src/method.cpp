@@ -191,9 +191,9 @@ std::unique_ptr<Mission> makeMission(Method method, MissionParts parts,
   {
     case Method::kPa:
     case Method::kPaStar:
-      return std::make_unique<MissionDriver>(parts.domain, parts.models, parts.narrator,
-                                             parts.reasoner, parts.policies, parts.executor,
-                                             parts.observer, parts.clock, parts.config);
+      return std::make_unique<MissionDriver>(
+          parts.domain, parts.models, parts.narrator, parts.reasoner, parts.policies,
+          parts.executor, parts.observer, parts.clock, parts.config, parts.costs);
     case Method::kPomdp1:
     case Method::kPomdp2:
     {

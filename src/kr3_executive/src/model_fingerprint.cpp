@@ -1,5 +1,6 @@
 #include "kr3_executive/model_fingerprint.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -88,6 +89,18 @@ void Fingerprinter::add(double number)
   std::uint64_t bits = 0;
   std::memcpy(&bits, &number, sizeof(bits));
   add(bits);
+}
+
+void Fingerprinter::addText(const std::string& text)
+{
+  add(static_cast<std::uint64_t>(text.size()));
+  for (std::size_t i = 0; i < text.size(); i += sizeof(std::uint64_t))
+  {
+    std::uint64_t number = 0;
+    for (std::size_t j = i; j < std::min(i + sizeof number, text.size()); ++j)
+      number = number << 8U | static_cast<unsigned char>(text[j]);
+    add(number);
+  }
 }
 
 Fingerprint Fingerprinter::result() const

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -18,21 +20,13 @@ using reasoner::Literal;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMaxOrdered = 8;  // hypotheses whose orders are all considered
 
-/// What carrying out a plan costs, from some state.
-struct PlanEffort
-{
-  double before_s = 0.0;   ///< until the action that checks the hypothesis
-  double success_s = 0.0;  ///< from there to the goal, if it holds
-  double failure_s = 0.0;  ///< from there to its refutation, if not
-};
-
 /// The expected time to the goal for every first plan, with the others in the best order after it.
 class BestOrder
 {
 public:
   /// @param efforts  [from][plan]; from the last entry: the present state, from others: after that
-  ///                 plan's hypothesis was refuted
-  BestOrder(const std::vector<std::vector<PlanEffort>>& efforts,
+  ///                 plan's hypothesis was refuted, where the plan's own is null
+  BestOrder(const std::vector<std::vector<std::shared_ptr<const PlanEffort>>>& efforts,
             const std::vector<double>& probabilities)
     : efforts_(efforts), probabilities_(probabilities)
   {
@@ -44,7 +38,7 @@ public:
     for (std::size_t i = 0; i < probabilities_.size(); ++i)
       mass += (left >> i & 1U) != 0 ? probabilities_[i] : 0.0;
     const double holds = mass > 0.0 ? probabilities_[plan] / mass : 1.0;
-    const PlanEffort& effort = efforts_[from][plan];
+    const PlanEffort& effort = *efforts_[from][plan];
     const unsigned rest = left & ~(1U << plan);
     double cost = effort.before_s + holds * effort.success_s;
     if (holds < 1.0 && rest != 0)
@@ -68,129 +62,157 @@ private:
     return least;
   }
 
-  const std::vector<std::vector<PlanEffort>>& efforts_;
+  const std::vector<std::vector<std::shared_ptr<const PlanEffort>>>& efforts_;
   const std::vector<double>& probabilities_;
   std::map<std::pair<unsigned, std::size_t>, double> known_;
 };
 
-class PlanWalk
+void addNumber(Fingerprinter& fingerprinter, double number)
 {
-public:
-  PlanWalk(PlanCosts& costs, const refinement::LowLevelDomain& domain, double threshold,
-           double prior)
-    : costs_(costs), domain_(domain), threshold_(threshold), prior_(prior)
-  {
-  }
+  std::uint64_t bits = 0;  // all of them count
+  std::memcpy(&bits, &number, sizeof bits);
+  fingerprinter.add(bits);
+}
 
-  /// @param refuted  receives, when not null, the state in which the plan's hypothesis is refuted
-  PlanEffort walk(std::vector<Literal> state, const reasoner::Plan& plan,
-                  std::vector<Literal>* refuted)
-  {
-    const std::vector<Literal> without = state;
-    std::vector<reasoner::Atom> before;
-    for (const auto& text : plan.hypothesis)
-    {
-      Literal assumed = reasoner::parseGroundLiteral(text, domain_.highLevel());
-      const std::string fluent = reasoner::toString(assumed.atom);
-      const bool known = std::any_of(state.begin(), state.end(), [&](const Literal& literal) {
-        return reasoner::toString(literal.atom) == fluent;
-      });
-      if (!known)  // another plan may have settled it
-        state.push_back(std::move(assumed));
-    }
-    PlanEffort total;
-    bool checked = false;
-    for (const auto& step : plan.steps)
-    {
-      for (const auto& text : step)
-      {
-        const auto action = reasoner::parseGroundAction(text, domain_.highLevel());
-        Effort effort;
-        try
-        {
-          effort = costs_.effort(state, text, plan.hypothesis, threshold_, prior_);
-          state = refinement::successor(domain_.highLevel(), state, action);
-        }
-        catch (const FailedPrecondition&)
-        {
-          continue;  // another plan has done it already
-        }
-        if (!checked && effort.checks)
-        {
-          checked = true;
-          total.failure_s = effort.failure_s;
-        }
-        (checked ? total.success_s : total.before_s) += effort.success_s;
-        if (!checked)
-          before.push_back(action);
-      }
-    }
-    if (refuted != nullptr)
-    {
-      *refuted = without;
-      try
-      {
-        for (std::size_t i = 0; checked && i < before.size(); ++i)
-          *refuted = refinement::successor(domain_.highLevel(), *refuted, before[i]);
-      }
-      catch (const FailedPrecondition&)  // it was possible under the hypothesis only
-      {
-      }
-    }
-    return total;
-  }
+void addTexts(Fingerprinter& fingerprinter, const std::vector<std::string>& texts)
+{
+  fingerprinter.add(static_cast<std::uint64_t>(texts.size()));
+  for (const auto& text : texts)
+    fingerprinter.addText(text);
+}
 
-private:
-  PlanCosts& costs_;
-  const refinement::LowLevelDomain& domain_;
-  double threshold_;
-  double prior_;
-};
+/// A key for what depends on a state and on how beliefs are judged.
+Fingerprinter keyBegun(const Fingerprint& state, double threshold, double prior)
+{
+  Fingerprinter fingerprinter;
+  fingerprinter.add(state.high);
+  fingerprinter.add(state.low);
+  addNumber(fingerprinter, threshold);
+  addNumber(fingerprinter, prior);
+  return fingerprinter;
+}
+
+/// The state in which a plan's hypothesis holds, where the state leaves it open: another plan may
+/// have settled it.
+HighLevelState assuming(const HighLevelState& state, const std::vector<std::string>& hypothesis,
+                        const reasoner::Description& high_level)
+{
+  std::vector<Literal> literals = state.literals;
+  for (const auto& text : hypothesis)
+  {
+    Literal assumed = reasoner::parseGroundLiteral(text, high_level);
+    const std::string fluent = reasoner::toString(assumed.atom);
+    const bool known = std::any_of(literals.begin(), literals.end(), [&](const Literal& literal) {
+      return reasoner::toString(literal.atom) == fluent;
+    });
+    if (!known)
+      literals.push_back(std::move(assumed));
+  }
+  return highLevelState(std::move(literals));
+}
 
 }  // namespace
 
 Effort PlanCosts::effort(const std::vector<Literal>& state, const std::string& action,
                          const std::vector<std::string>& assumed, double threshold, double prior)
 {
-  const auto zoom =
-      refinement::zoom(domain_, state, reasoner::parseGroundAction(action, domain_.highLevel()));
+  return effort(highLevelState(state), action, assumed, threshold, prior);
+}
+
+Effort PlanCosts::effort(const HighLevelState& state, const std::string& action,
+                         const std::vector<std::string>& assumed, double threshold, double prior)
+{
+  const auto zoom = tasks_->zoom(state, action);
   refinement::InitialKnowledge knowledge;
   std::string hidden;
-  std::string key = action + " " + std::to_string(threshold) + " " + std::to_string(prior);
-  for (const auto& literal : zoom.start)
+  std::vector<std::string> hypotheses;
+  for (const auto& literal : zoom->zoom.start)
   {
-    const std::string text = reasoner::toString(literal);
-    const std::string fluent = reasoner::toString(literal.atom);
-    key += "; " + text;
     const bool valued = literal.value.name != "true" && literal.value.name != "false";
-    if (!valued || !literal.equal ||
-        std::find(assumed.begin(), assumed.end(), text) == assumed.end())
+    if (!valued || !literal.equal)
       continue;
-    knowledge.coarse[fluent] = {{literal.value.name, prior}};
-    hidden = fluent;
-    key += " assumed";
+    const std::string text = reasoner::toString(literal);
+    if (std::find(assumed.begin(), assumed.end(), text) == assumed.end())
+      continue;
+    hidden = reasoner::toString(literal.atom);
+    knowledge.coarse[hidden] = {{literal.value.name, prior}};
+    hypotheses.push_back(text);
   }
-  const auto known = known_.find(key);
-  if (known != known_.end())
-    return known->second;
-  const Effort effort = effortOf(refinement::generatePomdp(domain_, models_, zoom, knowledge),
-                                 hidden, threshold, prior);
-  known_[key] = effort;
+  Fingerprinter fingerprinter = keyBegun(zoom->key, threshold, prior);
+  addTexts(fingerprinter, hypotheses);
+  const Fingerprint key = fingerprinter.result();
+  if (const auto known = efforts_.find(key))
+    return *known;
+  const Effort effort = effortOf(*tasks_->task(*zoom, knowledge), hidden, threshold, prior);
+  efforts_.keep(key, effort, sizeof effort);
   return effort;
+}
+
+std::shared_ptr<const PlanEffort> PlanCosts::walked(const HighLevelState& state,
+                                                    const reasoner::Plan& plan, double threshold,
+                                                    double prior)
+{
+  Fingerprinter fingerprinter = keyBegun(state.key, threshold, prior);
+  addTexts(fingerprinter, plan.hypothesis);
+  for (const auto& step : plan.steps)
+    addTexts(fingerprinter, step);
+  const Fingerprint key = fingerprinter.result();
+  if (auto known = plans_.find(key))
+    return known;
+
+  auto now = std::make_shared<const HighLevelState>(
+      assuming(state, plan.hypothesis, tasks_->domain().highLevel()));
+  PlanEffort total;
+  bool checked = false;
+  std::vector<std::string> before;
+  for (const auto& step : plan.steps)
+  {
+    for (const auto& action : step)
+    {
+      Effort effort;
+      try
+      {
+        effort = this->effort(*now, action, plan.hypothesis, threshold, prior);
+        now = tasks_->successor(*now, action);
+      }
+      catch (const FailedPrecondition&)
+      {
+        continue;  // another plan has done it already
+      }
+      if (!checked && effort.checks)
+      {
+        checked = true;
+        total.failure_s = effort.failure_s;
+      }
+      (checked ? total.success_s : total.before_s) += effort.success_s;
+      if (!checked)
+        before.push_back(action);
+    }
+  }
+  total.refuted = std::make_shared<const HighLevelState>(state);
+  try
+  {
+    for (std::size_t i = 0; checked && i < before.size(); ++i)
+      total.refuted = tasks_->successor(*total.refuted, before[i]);
+  }
+  catch (const FailedPrecondition&)  // it was possible under the hypothesis only
+  {
+  }
+  const std::size_t bytes = sizeof total + total.refuted->literals.size() * 2 * sizeof(Literal);
+  return plans_.keep(key, std::move(total), bytes);
 }
 
 std::vector<double> PlanCosts::expected(const std::vector<Literal>& state,
                                         const std::vector<WeightedPlan>& plans, double threshold,
                                         double prior)
 {
-  PlanWalk walk(*this, domain_, threshold, prior);
-  std::vector<PlanEffort> now;
-  std::vector<std::vector<Literal>> refuted(plans.size());
+  const HighLevelState start = highLevelState(state);
+  std::vector<std::shared_ptr<const PlanEffort>> now;
   std::vector<double> ratio;  // probability per second of checking
   for (std::size_t i = 0; i < plans.size(); ++i)
   {
-    now.push_back(walk.walk(state, plans[i].plan, &refuted[i]));
-    ratio.push_back(plans[i].probability / (1e-9 + now[i].before_s + now[i].failure_s));
+    now.push_back(walked(start, plans[i].plan, threshold, prior));
+    ratio.push_back(plans[i].probability / (1e-9 + now[i]->before_s + now[i]->failure_s));
   }
   std::vector<std::size_t> order(plans.size());
   for (std::size_t i = 0; i < order.size(); ++i)
@@ -199,7 +221,7 @@ std::vector<double> PlanCosts::expected(const std::vector<Literal>& state,
                    [&ratio](std::size_t a, std::size_t b) { return ratio[a] > ratio[b]; });
   const std::size_t ordered = std::min(plans.size(), kMaxOrdered);
 
-  std::vector<std::vector<PlanEffort>> efforts(ordered + 1);
+  std::vector<std::vector<std::shared_ptr<const PlanEffort>>> efforts(ordered + 1);
   std::vector<double> probabilities;
   for (std::size_t i = 0; i < ordered; ++i)
   {
@@ -207,8 +229,9 @@ std::vector<double> PlanCosts::expected(const std::vector<Literal>& state,
     efforts[ordered].push_back(now[order[i]]);
     for (std::size_t j = 0; j < ordered; ++j)
     {
-      efforts[i].push_back(i == j ? PlanEffort{}
-                                  : walk.walk(refuted[order[i]], plans[order[j]].plan, nullptr));
+      efforts[i].push_back(
+          i == j ? nullptr
+                 : walked(*now[order[i]]->refuted, plans[order[j]].plan, threshold, prior));
     }
   }
   BestOrder best(efforts, probabilities);

@@ -54,7 +54,9 @@ protected:
     knowledge.fine["loc(rob1)"] = {{"main_library_c0", 1.0}};
     knowledge.coarse["loc(tb1)"] = {{"main_library", 0.5}};
     return {*office_.domain,
-            refinement::generatePomdp(*office_.domain, office_.models, zoom, knowledge), knowledge};
+            std::make_shared<const refinement::PomdpTask>(
+                refinement::generatePomdp(*office_.domain, office_.models, zoom, knowledge)),
+            knowledge};
   }
 
   [[nodiscard]] static std::size_t indexOf(const LowLevelTask& task, const std::string& action)

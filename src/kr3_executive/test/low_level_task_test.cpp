@@ -61,7 +61,10 @@ actions:
     const auto zoom = refinement::zoom(
         domain, {reasoner::parseGroundLiteral("on(box) = near", domain.highLevel())},
         reasoner::parseGroundAction("tag(box)", domain.highLevel()));
-    return {domain, refinement::generatePomdp(domain, models, zoom, knowledge), knowledge};
+    return {domain,
+            std::make_shared<const refinement::PomdpTask>(
+                refinement::generatePomdp(domain, models, zoom, knowledge)),
+            knowledge};
   }
 
   reasoner::Description high;

@@ -71,7 +71,7 @@ struct Setting
                              path + "/bindings.yaml", onALine(wholes)));
     domain = std::move(loaded.domain);
     models = std::move(loaded.models);
-    costs = std::make_unique<PlanCosts>(*domain, models);
+    costs = std::make_unique<PlanCosts>(std::make_shared<TaskCache>(*domain, models));
   }
 
   [[nodiscard]] std::vector<reasoner::Literal> state(const std::vector<std::string>& texts) const

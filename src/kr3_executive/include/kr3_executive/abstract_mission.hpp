@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 
 #include "kr3_executive/abstract_world.hpp"
 #include "kr3_executive/bindings.hpp"
+#include "kr3_executive/cached_reasoner.hpp"
 #include "kr3_executive/driver.hpp"
 #include "kr3_executive/in_process.hpp"
 #include "kr3_executive/method.hpp"
@@ -71,8 +73,10 @@ struct MissionSetup
 using ExecutorOf = std::function<std::unique_ptr<LowLevelExecutor>(
     AbstractWorld& world, std::function<void(const reasoner::Record&)> tell)>;
 
-/// Missions of one domain in the abstract simulator, all in process. Policies are cached from trial
-/// to trial; nothing else is carried over. Not thread-safe; one instance per thread.
+/// Missions of one domain in the abstract simulator, all in process. From trial to trial policies,
+/// generated tasks, costs and answers of the reasoner are cached, by the content of all that they
+/// depend on; nothing else is carried over, and a trial goes as if it were the first. Not
+/// thread-safe; one instance per thread.
 class AbstractMissions
 {
 public:
@@ -81,16 +85,22 @@ public:
   /// @throws Unavailable, InvalidArgument  a file is missing or wrong
   AbstractMissions(const std::string& directory, AbstractMissionConfig config);
 
-  [[nodiscard]] const Scenario& scenario() const { return scenario_; }
-  [[nodiscard]] const refinement::LowLevelDomain& domain() const { return *domain_; }
-  [[nodiscard]] const refinement::Models& models() const { return models_; }
-  [[nodiscard]] const Bindings& bindings() const { return bindings_; }
+  /// The same missions for another thread: what was read is shared, and all caches but that of the
+  /// probabilistic methods. Trials go the same way in whichever they are run.
+  [[nodiscard]] std::unique_ptr<AbstractMissions> another() const;
+
+  [[nodiscard]] const Scenario& scenario() const { return shared_->scenario; }
+  [[nodiscard]] const refinement::LowLevelDomain& domain() const { return *shared_->domain; }
+  [[nodiscard]] const refinement::Models& models() const { return shared_->models; }
+  [[nodiscard]] const Bindings& bindings() const { return shared_->bindings; }
 
   /// The first valued fluent that a goal mentions. @throws InvalidArgument  it mentions none
   [[nodiscard]] std::string targetFluent(const std::string& goal) const;
 
   /// Of the policies, also those of others who share them.
   [[nodiscard]] PolicyCacheStats policyStats() const { return policies_.stats(); }
+  /// Of the other caches, by name, with those of others who share them.
+  [[nodiscard]] std::map<std::string, ContentCacheStats> cacheStats() const;
 
   /// One mission from the scenario's initial records. What `truths` and those records leave open is
   /// as the defaults say, and where they are silent drawn at random.
@@ -106,12 +116,25 @@ private:
   /// The literal as the low level writes it; none when it is not one of the low level.
   [[nodiscard]] std::optional<std::string> lowLevelLiteral(const std::string& text) const;
 
+  /// What the missions of several threads share.
+  struct Shared
+  {
+    std::unique_ptr<refinement::LowLevelDomain> domain;
+    refinement::Models models;
+    Bindings bindings;
+    Scenario scenario;
+    std::shared_ptr<ReasonerCache> answers = std::make_shared<ReasonerCache>();
+    std::shared_ptr<PlanCosts> costs = {};
+  };
+  AbstractMissions(std::shared_ptr<Shared> shared, AbstractMissionConfig config);
+  [[nodiscard]] static std::shared_ptr<Shared> read(const std::string& directory,
+                                                    const AbstractMissionConfig& config);
+
   AbstractMissionConfig config_;
-  std::unique_ptr<refinement::LowLevelDomain> domain_;
-  refinement::Models models_;
-  Bindings bindings_;
-  Scenario scenario_;
+  std::shared_ptr<Shared> shared_;
   InProcessPolicyServer policies_;
+  CachedReasoner knower_;  // of the whole description
+  CachedReasoner reasoner_;
   std::shared_ptr<BaselineCache> baseline_cache_ = makeBaselineCache();
 };
 

@@ -34,6 +34,9 @@ namespace kr3::executive
 ///
 /// Everything passed by reference must outlive the driver.
 ///
+/// What is made of high-level actions may be shared with other missions of the same domain and
+/// models, through `costs`.
+///
 /// What enters a mission from outside enters here alone, and is reported as an Input where it does
 /// (mission_log.hpp).
 class MissionDriver : public Mission
@@ -42,7 +45,7 @@ public:
   MissionDriver(const refinement::LowLevelDomain& domain, const refinement::Models& models,
                 const Narrator& narrator, HighLevelReasoner& reasoner, PolicyServer& policies,
                 LowLevelExecutor& executor, MissionObserver& observer, Clock clock,
-                DriverConfig config);
+                DriverConfig config, std::shared_ptr<PlanCosts> costs = nullptr);
 
   /// Line 1: `initial` is told when the history is empty.
   MissionResult achieve(const std::string& goal, const std::vector<reasoner::Record>& initial,
@@ -128,10 +131,13 @@ private:
   /// Indices into the history; none when no record is doubtful.
   [[nodiscard]] std::vector<std::size_t> recordsToGiveUp();
   void apply(const Event& event);
-  void report(EventKind kind, Narration narration);
+  /// @param narration  called when somebody wants it
+  void report(EventKind kind, const std::function<Narration()>& narration);
   void publish();
+  void publishBelief();
   void note(const Input& input);
-  void note(ReportedDecision decision);
+  /// @param decision  called when somebody wants it
+  void note(const std::function<ReportedDecision()>& decision);
   [[nodiscard]] LowLevelResult execute(const LowLevelAction& action);
   void refreshFacts();
   void takeInTold();
@@ -152,17 +158,17 @@ private:
   int sumUpHistory();
 
   const refinement::LowLevelDomain& domain_;
-  const refinement::Models& models_;
   const Narrator& narrator_;
   HighLevelReasoner& reasoner_;
   PolicyServer& policies_;
   LowLevelExecutor& executor_;
   MissionObserver& observer_;
+  const Interest interest_;
   Clock clock_;
   DriverConfig config_;
   RuleInterpreter high_level_laws_;
 
-  PlanCosts costs_;
+  std::shared_ptr<PlanCosts> costs_;
 
   Knowledge knowledge_;
   State state_;

@@ -54,6 +54,7 @@ public:
   std::size_t actionAt(const std::string& policy_id, const pomdp::Belief& belief) override;
 
   [[nodiscard]] PolicyCacheStats stats() const { return cache_->stats(); }
+  [[nodiscard]] const std::shared_ptr<PolicyCache>& cache() const { return cache_; }
 
 private:
   std::shared_ptr<PolicyCache> cache_;  // shared by the trials of several threads

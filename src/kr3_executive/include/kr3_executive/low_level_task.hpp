@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,13 +33,14 @@ class LowLevelTask
 public:
   /// @param domain     must outlive the task
   /// @param knowledge  from which the task's initial belief was made
-  LowLevelTask(const refinement::LowLevelDomain& domain, refinement::PomdpTask pomdp,
+  LowLevelTask(const refinement::LowLevelDomain& domain,
+               std::shared_ptr<const refinement::PomdpTask> pomdp,
                const refinement::InitialKnowledge& knowledge);
 
-  [[nodiscard]] const refinement::PomdpTask& pomdp() const { return pomdp_; }
+  [[nodiscard]] const refinement::PomdpTask& pomdp() const { return *pomdp_; }
   [[nodiscard]] const pomdp::Belief& belief() const { return belief_; }
   [[nodiscard]] LowLevelAction action(std::size_t index) const;
-  [[nodiscard]] bool isFinish(std::size_t action) const { return action == pomdp_.finishAction(); }
+  [[nodiscard]] bool isFinish(std::size_t action) const { return action == pomdp_->finishAction(); }
 
   /// Line 14: the belief update, exact when the confidence is 1. With confidence c the observation
   /// is as the model says with probability c, and otherwise any one that the action can give, all
@@ -94,7 +96,7 @@ private:
                                                           const LowLevelMemory& memory) const;
 
   const refinement::LowLevelDomain& domain_;
-  refinement::PomdpTask pomdp_;
+  std::shared_ptr<const refinement::PomdpTask> pomdp_;  // shared with a cache
   pomdp::Belief belief_;
   std::string symbol_;  // of the high-level action
   bool remembered_ = false;

@@ -81,6 +81,7 @@ struct MissionParts
   MissionObserver& observer;
   MissionDriver::Clock clock;
   DriverConfig config;
+  std::shared_ptr<PlanCosts> costs = {};  ///< of the domain and models; null: the mission's own
 };
 
 /// @param cache  null: nothing is kept

@@ -74,6 +74,7 @@ public:
   MissionRecorder(const DomainFiles& domain, const reasoner::PlanOptions& plan, Clock clock,
                   Sink sink, const PlanningMethod& method = {});
 
+  [[nodiscard]] Interest interest() const override { return {false, true, false}; }
   void onInput(const Input& input) override;
   void onDecision(const ReportedDecision& decision) override;
   void onEvent(const ReportedEvent& /*event*/) override {}

@@ -36,6 +36,8 @@ public:
   void add(std::uint64_t number);
   /// Rounded to 1e-9, so that sums in another order are the same number; beyond 1e9 as it is.
   void add(double number);
+  /// With its length, so that texts do not run together.
+  void addText(const std::string& text);
   [[nodiscard]] Fingerprint result() const;
 
 private:

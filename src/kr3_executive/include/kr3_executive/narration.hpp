@@ -76,11 +76,22 @@ struct Snapshot
   std::vector<std::string> exceptions;  ///< the minimal explanation in force
 };
 
+/// What an observer wants to be told.
+struct Interest
+{
+  bool narration = true;  ///< events, beliefs, and what is explained in snapshots
+  bool log = true;        ///< inputs and decisions
+  bool snapshots = true;
+};
+
 /// Receives what a mission does, in the mission's thread. Must not throw.
 class MissionObserver
 {
 public:
   virtual ~MissionObserver() = default;
+  /// Asked once, before the first mission. What nobody wants is not computed, reasons for people
+  /// least of all; missions go the same way.
+  [[nodiscard]] virtual Interest interest() const { return {}; }
   virtual void onEvent(const ReportedEvent& event) = 0;
   virtual void onBelief(const ReportedBelief& belief) = 0;
   virtual void onSnapshot(const Snapshot& snapshot) = 0;

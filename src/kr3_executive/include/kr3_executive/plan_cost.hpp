@@ -1,12 +1,15 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <kr3_reasoner/reasoner.hpp>
 #include <kr3_refinement/pomdp_task.hpp>
+
+#include "kr3_executive/content_cache.hpp"
+#include "kr3_executive/task_cache.hpp"
 
 namespace kr3::executive
 {
@@ -26,6 +29,15 @@ struct WeightedPlan
   double probability = 1.0;
 };
 
+/// What carrying out a plan costs from some state.
+struct PlanEffort
+{
+  double before_s = 0.0;   ///< until the action that checks the hypothesis
+  double success_s = 0.0;  ///< from there to the goal, if it holds
+  double failure_s = 0.0;  ///< from there to its refutation, if not
+  std::shared_ptr<const HighLevelState> refuted = {};  ///< the state then
+};
+
 /// Lines 4-6 of Algorithm 1: the expected low-level cost of plans, from the learned models alone;
 /// no policy is solved. The formulas are in docs/control_loop.md.
 ///
@@ -39,14 +51,13 @@ struct WeightedPlan
 /// its hypothesis holds; otherwise the time to find that out is spent, and the others remain. (For
 /// checks whose costs do not depend on the order this is the rule to look where P/cost is largest.)
 ///
-/// Not thread-safe: efforts are kept. The domain and the models must outlive it.
+/// Thread-safe. Efforts are kept by the content of the state, the action or plan, and the numbers.
 class PlanCosts
 {
 public:
-  PlanCosts(const refinement::LowLevelDomain& domain, const refinement::Models& models)
-    : domain_(domain), models_(models)
-  {
-  }
+  explicit PlanCosts(std::shared_ptr<TaskCache> tasks) : tasks_(std::move(tasks)) {}
+
+  [[nodiscard]] TaskCache& tasks() const { return *tasks_; }
 
   /// @param state      what the high level believes, without any hypothesis, as literals `f = v`
   /// @param plans      their probabilities sum to 1 where they exclude each other
@@ -63,10 +74,20 @@ public:
                               const std::string& action, const std::vector<std::string>& assumed,
                               double threshold, double prior);
 
+  [[nodiscard]] ContentCacheStats effortStats() const { return efforts_.stats(); }
+  [[nodiscard]] ContentCacheStats planStats() const { return plans_.stats(); }
+
 private:
-  const refinement::LowLevelDomain& domain_;
-  const refinement::Models& models_;
-  std::map<std::string, Effort> known_;  // by everything that an effort depends on
+  [[nodiscard]] Effort effort(const HighLevelState& state, const std::string& action,
+                              const std::vector<std::string>& assumed, double threshold,
+                              double prior);
+  [[nodiscard]] std::shared_ptr<const PlanEffort> walked(const HighLevelState& state,
+                                                         const reasoner::Plan& plan,
+                                                         double threshold, double prior);
+
+  std::shared_ptr<TaskCache> tasks_;
+  ContentCache<Effort> efforts_;
+  ContentCache<PlanEffort> plans_;
 };
 
 /// The effort of a task whose start belief has mass `prior` on the assumed value.

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kr3_executive/content_cache.hpp"
+#include "kr3_executive/in_process.hpp"
+#include "kr3_executive/interfaces.hpp"
+
+namespace kr3::executive
+{
+
+/// Answers about histories, for reasoners of several threads. Thread-safe.
+struct ReasonerCache
+{
+  ContentCache<bool> histories;  ///< that were taken
+  ContentCache<reasoner::PlanResult> plans;
+  ContentCache<reasoner::Diagnosis> diagnoses;
+  ContentCache<reasoner::Explanation> explanations;
+  ContentCache<std::vector<reasoner::Retraction>> retractions;
+  ContentCache<std::vector<std::string>> entailed;  ///< at a step
+  ContentCache<reasoner::Answer> answers;           ///< whether a literal is entailed, or possible
+};
+
+/// How confidences below 1 count when an answer is looked up.
+enum class ConfidenceMatch : std::uint8_t
+{
+  kExact,
+  /// Only whether they are below 1: no model, plan or reason depends on more (the retractions do,
+  /// which are always looked up exactly). Where answers quote records in words, the confidences in
+  /// these words may be those of another history; Explanation::records are this one's.
+  kBelowOne,
+};
+
+/// A reasoner that looks into a cache first. Answers are found by the description, the options and
+/// the whole history as it was told, call by call, since a long history is progressed in between.
+/// What throws, and plans cut off by their time, are not kept.
+///
+/// An answer must not depend on what was asked before, or missions would not repeat. Which literals
+/// are entailed or possible, and what explains a history, is one answer; for these a reasoner is
+/// kept from mission to mission, and learns of the history when something has to be computed. Among
+/// equally good plans, and equally short reasons, a search picks one by what it learned earlier:
+/// these come from a new reasoner each time.
+///
+/// Not thread-safe; one instance per thread, which may share the cache.
+class CachedReasoner : public HighLevelReasoner
+{
+public:
+  /// @param cache  null: one of its own
+  /// @param history_window  steps (history_window.hpp)
+  CachedReasoner(reasoner::Description description, const reasoner::PlanOptions& options,
+                 std::shared_ptr<ReasonerCache> cache = nullptr,
+                 std::uint32_t history_window = kDefaultHistoryWindow);
+
+  /// Back to the empty history, for another mission.
+  void restart(ConfidenceMatch match);
+
+  void setHistory(const std::vector<reasoner::Record>& records) override;
+  void addRecords(const std::vector<reasoner::Record>& records) override;
+  reasoner::Diagnosis diagnose() override;
+  reasoner::Answer entails(const std::string& literal, int step) override;
+  bool possible(const std::string& literal, int step) override;
+  std::vector<std::string> entailedAt(int step) override;
+  reasoner::Explanation explain(const std::string& literal, int step) override;
+  std::vector<reasoner::Retraction> retractions(const std::string& literal, int step) override;
+  reasoner::PlanResult plan(const std::string& goal, std::uint32_t max_plans,
+                            const std::atomic<bool>& cancel) override;
+  std::optional<ReasonerSettings> settings() override { return settings_; }
+
+private:
+  /// One call that told records, with what was told up to it.
+  struct Told
+  {
+    std::vector<reasoner::Record> records;
+    bool anew = false;  ///< in the place of all that was told before
+    Fingerprint exact;
+    Fingerprint below_one;
+
+    void tell(InProcessReasoner& reasoner) const;
+  };
+
+  /// @throws InvalidArgument  a record does not fit the description; nothing was told then
+  void tell(const std::vector<reasoner::Record>& records, bool anew);
+  /// The reasoner that is kept, with the whole history.
+  InProcessReasoner& current();
+  /// A new one.
+  [[nodiscard]] std::unique_ptr<InProcessReasoner> fresh() const;
+  [[nodiscard]] Fingerprint keyOf(const char* question, const std::string& text, int step,
+                                  bool exactly) const;
+  [[nodiscard]] std::vector<reasoner::Record> records() const;
+  /// The records that an explanation cites, by their texts in this history; false when they are
+  /// counted otherwise, as after progression.
+  [[nodiscard]] bool cite(reasoner::Explanation& explanation) const;
+
+  std::shared_ptr<ReasonerCache> cache_;
+  reasoner::Description description_;
+  reasoner::PlanOptions options_;
+  ReasonerSettings settings_;
+  InProcessReasoner reasoner_;
+  ConfidenceMatch match_ = ConfidenceMatch::kExact;
+  Fingerprint empty_;  // of the description and the options
+  std::vector<Told> told_;
+  std::vector<Fingerprint> applied_;  // of the calls that reached the reasoner, by `exact`
+};
+
+}  // namespace kr3::executive

@@ -1,0 +1,334 @@
+#include "kr3_executive/cached_reasoner.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace kr3::executive
+{
+namespace
+{
+
+using reasoner::Record;
+
+void addKey(Fingerprinter& fingerprinter, const Fingerprint& key)
+{
+  fingerprinter.add(key.high);
+  fingerprinter.add(key.low);
+}
+
+std::uint64_t bitsOf(double number)
+{
+  std::uint64_t bits = 0;
+  std::memcpy(&bits, &number, sizeof bits);
+  return bits;
+}
+
+Fingerprint extended(const Fingerprint& before, const std::vector<Record>& records, bool exactly)
+{
+  Fingerprinter fingerprinter;
+  addKey(fingerprinter, before);
+  fingerprinter.add(static_cast<std::uint64_t>(records.size()));
+  for (const Record& record : records)
+  {
+    fingerprinter.add(static_cast<std::uint64_t>(record.kind));
+    fingerprinter.addText(record.statement);
+    fingerprinter.add(static_cast<std::uint64_t>(record.value ? 1 : 0));
+    fingerprinter.add(static_cast<std::uint64_t>(static_cast<std::int64_t>(record.step)));
+    fingerprinter.add(exactly ? bitsOf(record.confidence)
+                              : static_cast<std::uint64_t>(record.confidence < 1.0 ? 0 : 1));
+    fingerprinter.addText(record.source);
+  }
+  return fingerprinter.result();
+}
+
+Fingerprint fingerprintOf(const reasoner::Description& description,
+                          const reasoner::PlanOptions& options, std::uint32_t history_window)
+{
+  Fingerprinter fingerprinter;
+  fingerprinter.addText(reasoner::toString(description));
+  fingerprinter.add(static_cast<std::uint64_t>(options.max_horizon));
+  fingerprinter.add(static_cast<std::uint64_t>(options.time_limit.count()));
+  fingerprinter.add(static_cast<std::uint64_t>(options.preference));
+  fingerprinter.add(static_cast<std::uint64_t>(options.all ? 1 : 0));
+  fingerprinter.add(static_cast<std::uint64_t>(options.max_plans));
+  fingerprinter.add(static_cast<std::uint64_t>(options.relevant_only ? 1 : 0));
+  fingerprinter.add(bitsOf(options.extra_share));
+  fingerprinter.add(std::uint64_t{history_window});
+  return fingerprinter.result();
+}
+
+std::size_t sizeOf(const std::vector<std::string>& texts)
+{
+  std::size_t bytes = sizeof texts + texts.size() * sizeof(std::string);
+  for (const auto& text : texts)
+    bytes += text.capacity() > 15 ? text.capacity() : 0;
+  return bytes;
+}
+
+std::size_t sizeOf(const reasoner::PlanResult& result)
+{
+  std::size_t bytes = sizeof result;
+  for (const auto& plan : result.plans)
+  {
+    bytes += sizeOf(plan.hypothesis);
+    for (const auto& step : plan.steps)
+      bytes += sizeOf(step);
+  }
+  return bytes;
+}
+
+std::size_t sizeOf(const reasoner::Diagnosis& diagnosis)
+{
+  std::size_t bytes = sizeof diagnosis + sizeOf(diagnosis.in_words) + sizeOf(diagnosis.conflict);
+  for (const auto& explanation : diagnosis.explanations)
+    bytes += sizeOf(explanation);
+  for (const auto& alternative : diagnosis.alternatives)
+  {
+    bytes += sizeof alternative + alternative.in_words.size();
+    for (const auto& assumption : alternative.assumptions)
+    {
+      bytes += sizeof assumption + assumption.statement.size() + assumption.sentence.size() +
+               assumption.because_in_words.size() + sizeOf(assumption.defaults);
+    }
+  }
+  return bytes;
+}
+
+std::size_t sizeOf(const reasoner::Reason& reason)
+{
+  std::size_t bytes = sizeof reason + reason.statement.size() + reason.sentence.size();
+  for (const auto& child : reason.children)
+    bytes += sizeOf(child);
+  return bytes;
+}
+
+std::size_t sizeOf(const reasoner::Explanation& explanation)
+{
+  return sizeof explanation + sizeOf(explanation.reasons) + sizeOf(explanation.records) +
+         sizeOf(explanation.defaults) + sizeOf(explanation.proof);
+}
+
+}  // namespace
+
+CachedReasoner::CachedReasoner(reasoner::Description description,
+                               const reasoner::PlanOptions& options,
+                               std::shared_ptr<ReasonerCache> cache,
+                               std::uint32_t history_window)
+  : cache_(cache ? std::move(cache) : std::make_shared<ReasonerCache>())
+  , description_(std::move(description))
+  , options_(options)
+  , settings_{{}, history_window}
+  , reasoner_(description_, options, settings_)
+  , empty_(fingerprintOf(description_, options, history_window))
+{
+}
+
+void CachedReasoner::restart(ConfidenceMatch match)
+{
+  match_ = match;
+  told_.clear();
+}
+
+void CachedReasoner::setHistory(const std::vector<Record>& records)
+{
+  tell(records, true);
+}
+
+void CachedReasoner::addRecords(const std::vector<Record>& records)
+{
+  tell(records, false);
+}
+
+void CachedReasoner::tell(const std::vector<Record>& records, bool anew)
+{
+  Fingerprint exact = empty_;
+  Fingerprint below_one = empty_;
+  if (!anew && !told_.empty())
+  {
+    exact = told_.back().exact;
+    below_one = told_.back().below_one;
+  }
+  std::vector<Told> before = anew ? std::exchange(told_, {}) : std::vector<Told>{};
+  told_.push_back(
+      {records, anew, extended(exact, records, true), extended(below_one, records, false)});
+  const bool certain = std::all_of(records.begin(), records.end(), [](const Record& record) {
+    return record.confidence > 0.0 && record.confidence <= 1.0;
+  });
+  const Fingerprint& key = told_.back().below_one;
+  if (certain && cache_->histories.find(key))
+    return;
+  try
+  {
+    static_cast<void>(current());
+  }
+  catch (...)
+  {
+    if (anew)
+      told_ = std::move(before);
+    else
+      told_.pop_back();
+    throw;
+  }
+  cache_->histories.keep(key, true, sizeof(bool));
+}
+
+InProcessReasoner& CachedReasoner::current()
+{
+  const bool follows = applied_.size() <= told_.size() &&
+                       std::equal(applied_.begin(), applied_.end(), told_.begin(),
+                                  [](const Fingerprint& applied, const Told& told) {
+    return applied == told.exact;
+                       });
+  if (!follows)
+  {
+    applied_.clear();
+    reasoner_.setHistory({});
+  }
+  while (applied_.size() < told_.size())
+  {
+    const Told& next = told_[applied_.size()];
+    next.tell(reasoner_);
+    applied_.push_back(next.exact);
+  }
+  return reasoner_;
+}
+
+std::unique_ptr<InProcessReasoner> CachedReasoner::fresh() const
+{
+  auto reasoner = std::make_unique<InProcessReasoner>(description_, options_, settings_);
+  for (const Told& told : told_)
+    told.tell(*reasoner);
+  return reasoner;
+}
+
+void CachedReasoner::Told::tell(InProcessReasoner& reasoner) const
+{
+  if (anew)
+    reasoner.setHistory(records);
+  else
+    reasoner.addRecords(records);
+}
+
+Fingerprint CachedReasoner::keyOf(const char* question, const std::string& text, int step,
+                                  bool exactly) const
+{
+  Fingerprinter fingerprinter;
+  Fingerprint history = empty_;
+  if (!told_.empty())
+  {
+    history =
+        exactly || match_ == ConfidenceMatch::kExact ? told_.back().exact : told_.back().below_one;
+  }
+  addKey(fingerprinter, history);
+  fingerprinter.addText(question);
+  fingerprinter.addText(text);
+  fingerprinter.add(static_cast<std::uint64_t>(static_cast<std::int64_t>(step)));
+  return fingerprinter.result();
+}
+
+std::vector<Record> CachedReasoner::records() const
+{
+  std::vector<Record> all;
+  for (const Told& told : told_)
+    all.insert(all.end(), told.records.begin(), told.records.end());
+  return all;
+}
+
+reasoner::Diagnosis CachedReasoner::diagnose()
+{
+  const Fingerprint key = keyOf("diagnosis", {}, 0, false);
+  if (const auto known = cache_->diagnoses.find(key))
+    return *known;
+  reasoner::Diagnosis diagnosis = current().diagnose();
+  cache_->diagnoses.keep(key, diagnosis, sizeOf(diagnosis));
+  return diagnosis;
+}
+
+reasoner::Answer CachedReasoner::entails(const std::string& literal, int step)
+{
+  const Fingerprint key = keyOf("entails", literal, step, false);
+  if (const auto known = cache_->answers.find(key))
+    return *known;
+  const reasoner::Answer answer = current().entails(literal, step);
+  cache_->answers.keep(key, answer, sizeof answer);
+  return answer;
+}
+
+bool CachedReasoner::possible(const std::string& literal, int step)
+{
+  const Fingerprint key = keyOf("possible", literal, step, false);
+  if (const auto known = cache_->answers.find(key))
+    return *known == reasoner::Answer::kTrue;
+  const bool possible = current().possible(literal, step);
+  cache_->answers.keep(key, possible ? reasoner::Answer::kTrue : reasoner::Answer::kFalse,
+                       sizeof(reasoner::Answer));
+  return possible;
+}
+
+std::vector<std::string> CachedReasoner::entailedAt(int step)
+{
+  const Fingerprint key = keyOf("entailed", {}, step, false);
+  if (const auto known = cache_->entailed.find(key))
+    return *known;
+  std::vector<std::string> literals = current().entailedAt(step);
+  cache_->entailed.keep(key, literals, sizeOf(literals));
+  return literals;
+}
+
+bool CachedReasoner::cite(reasoner::Explanation& explanation) const
+{
+  const std::vector<Record> all = records();
+  const auto& indices = explanation.record_indices;
+  if (indices.size() != explanation.records.size() ||
+      std::any_of(indices.begin(), indices.end(), [&](std::size_t i) { return i >= all.size(); }))
+    return false;
+  for (std::size_t i = 0; i < indices.size(); ++i)
+    explanation.records[i] = reasoner::toString(all[indices[i]]);
+  return true;
+}
+
+reasoner::Explanation CachedReasoner::explain(const std::string& literal, int step)
+{
+  const Fingerprint key = keyOf("explain", literal, step, false);
+  if (const auto known = cache_->explanations.find(key))
+  {
+    reasoner::Explanation explanation = *known;
+    if (match_ == ConfidenceMatch::kBelowOne)
+      static_cast<void>(cite(explanation));
+    return explanation;
+  }
+  reasoner::Explanation explanation = fresh()->explain(literal, step);
+  reasoner::Explanation cited = explanation;
+  if (match_ == ConfidenceMatch::kExact || (cite(cited) && cited.records == explanation.records))
+    cache_->explanations.keep(key, explanation, sizeOf(explanation));
+  return explanation;
+}
+
+std::vector<reasoner::Retraction> CachedReasoner::retractions(const std::string& literal, int step)
+{
+  const Fingerprint key = keyOf("retractions", literal, step, true);
+  if (const auto known = cache_->retractions.find(key))
+    return *known;
+  std::vector<reasoner::Retraction> retractions = fresh()->retractions(literal, step);
+  std::size_t bytes = sizeof retractions;
+  for (const auto& retraction : retractions)
+    bytes += sizeof retraction + retraction.records.size() * sizeof(std::size_t) +
+             retraction.opens.size() + retraction.in_words.size();
+  cache_->retractions.keep(key, retractions, bytes);
+  return retractions;
+}
+
+reasoner::PlanResult CachedReasoner::plan(const std::string& goal, std::uint32_t max_plans,
+                                          const std::atomic<bool>& cancel)
+{
+  const Fingerprint key = keyOf("plan", goal, static_cast<int>(max_plans), false);
+  if (const auto known = cache_->plans.find(key))
+    return *known;
+  reasoner::PlanResult result = fresh()->plan(goal, max_plans, cancel);
+  if (result.complete)
+    cache_->plans.keep(key, result, sizeOf(result));
+  return result;
+}
+
+}  // namespace kr3::executive
