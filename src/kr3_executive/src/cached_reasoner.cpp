@@ -119,7 +119,7 @@ CachedReasoner::CachedReasoner(reasoner::Description description,
   , description_(std::move(description))
   , options_(options)
   , settings_{{}, history_window}
-  , reasoner_(description_, options, settings_)
+  , reasoner_(std::make_shared<InProcessReasoner>(description_, options, settings_))
   , empty_(fingerprintOf(description_, options, history_window))
 {
 }
@@ -128,6 +128,12 @@ void CachedReasoner::restart(ConfidenceMatch match)
 {
   match_ = match;
   told_.clear();
+  step_ = 0;
+  if (!is_long_)
+    return;
+  is_long_ = false;
+  applied_.clear();
+  reasoner_ = fresh();
 }
 
 void CachedReasoner::setHistory(const std::vector<Record>& records)
@@ -150,17 +156,24 @@ void CachedReasoner::tell(const std::vector<Record>& records, bool anew)
     below_one = told_.back().below_one;
   }
   std::vector<Told> before = anew ? std::exchange(told_, {}) : std::vector<Told>{};
+  const int step_before = step_;
+  step_ = std::max(anew ? 0 : step_, currentStep(records));
   told_.push_back(
       {records, anew, extended(exact, records, true), extended(below_one, records, false)});
   const bool certain = std::all_of(records.begin(), records.end(), [](const Record& record) {
     return record.confidence > 0.0 && record.confidence <= 1.0;
   });
   const Fingerprint& key = told_.back().below_one;
-  if (certain && cache_->histories.find(key))
+  const bool taken = certain && cache_->histories.find(key);
+  const bool becomes_long = !is_long_ && step_ > HistoryWindow::kSteps * 3 / 2;
+  if (taken && !is_long_ && !becomes_long)
     return;
   try
   {
-    static_cast<void>(current());
+    if (becomes_long)
+      becomeLong();
+    else
+      static_cast<void>(current());
   }
   catch (...)
   {
@@ -168,9 +181,20 @@ void CachedReasoner::tell(const std::vector<Record>& records, bool anew)
       told_ = std::move(before);
     else
       told_.pop_back();
+    step_ = step_before;
     throw;
   }
-  cache_->histories.keep(key, true, sizeof(bool));
+  if (!is_long_)
+    cache_->histories.keep(key, true, sizeof(bool));
+}
+
+void CachedReasoner::becomeLong()
+{
+  reasoner_ = fresh();
+  is_long_ = true;
+  applied_.clear();
+  for (const Told& told : told_)
+    applied_.push_back(told.exact);
 }
 
 InProcessReasoner& CachedReasoner::current()
@@ -183,20 +207,25 @@ InProcessReasoner& CachedReasoner::current()
   if (!follows)
   {
     applied_.clear();
-    reasoner_.setHistory({});
+    reasoner_->setHistory({});
   }
   while (applied_.size() < told_.size())
   {
     const Told& next = told_[applied_.size()];
-    next.tell(reasoner_);
+    next.tell(*reasoner_);
     applied_.push_back(next.exact);
   }
-  return reasoner_;
+  return *reasoner_;
 }
 
-std::unique_ptr<InProcessReasoner> CachedReasoner::fresh() const
+std::shared_ptr<InProcessReasoner> CachedReasoner::unbiased()
 {
-  auto reasoner = std::make_unique<InProcessReasoner>(description_, options_, settings_);
+  return is_long_ ? reasoner_ : fresh();
+}
+
+std::shared_ptr<InProcessReasoner> CachedReasoner::fresh() const
+{
+  auto reasoner = std::make_shared<InProcessReasoner>(description_, options_, settings_);
   for (const Told& told : told_)
     told.tell(*reasoner);
   return reasoner;
@@ -235,45 +264,51 @@ std::vector<Record> CachedReasoner::records() const
   return all;
 }
 
+template <typename Value, typename Compute, typename SizeOf>
+Value CachedReasoner::answer(ContentCache<Value>& cache, const Fingerprint& key,
+                             const Compute& compute, const SizeOf& size_of)
+{
+  if (is_long_)
+    return compute();
+  if (const auto known = cache.find(key))
+    return *known;
+  Value value = compute();
+  cache.keep(key, value, size_of(value));
+  return value;
+}
+
 reasoner::Diagnosis CachedReasoner::diagnose()
 {
-  const Fingerprint key = keyOf("diagnosis", {}, 0, false);
-  if (const auto known = cache_->diagnoses.find(key))
-    return *known;
-  reasoner::Diagnosis diagnosis = current().diagnose();
-  cache_->diagnoses.keep(key, diagnosis, sizeOf(diagnosis));
-  return diagnosis;
+  return answer(
+      cache_->diagnoses, keyOf("diagnosis", {}, 0, false), [&] { return current().diagnose(); },
+      [](const reasoner::Diagnosis& diagnosis) { return sizeOf(diagnosis); });
 }
 
 reasoner::Answer CachedReasoner::entails(const std::string& literal, int step)
 {
-  const Fingerprint key = keyOf("entails", literal, step, false);
-  if (const auto known = cache_->answers.find(key))
-    return *known;
-  const reasoner::Answer answer = current().entails(literal, step);
-  cache_->answers.keep(key, answer, sizeof answer);
-  return answer;
+  return answer(
+      cache_->answers, keyOf("entails", literal, step, false),
+      [&] { return current().entails(literal, step); },
+      [](const reasoner::Answer& value) { return sizeof value; });
 }
 
 bool CachedReasoner::possible(const std::string& literal, int step)
 {
-  const Fingerprint key = keyOf("possible", literal, step, false);
-  if (const auto known = cache_->answers.find(key))
-    return *known == reasoner::Answer::kTrue;
-  const bool possible = current().possible(literal, step);
-  cache_->answers.keep(key, possible ? reasoner::Answer::kTrue : reasoner::Answer::kFalse,
-                       sizeof(reasoner::Answer));
-  return possible;
+  const auto answered = answer(
+      cache_->answers, keyOf("possible", literal, step, false),
+      [&] {
+    return current().possible(literal, step) ? reasoner::Answer::kTrue : reasoner::Answer::kFalse;
+      },
+      [](const reasoner::Answer& value) { return sizeof value; });
+  return answered == reasoner::Answer::kTrue;
 }
 
 std::vector<std::string> CachedReasoner::entailedAt(int step)
 {
-  const Fingerprint key = keyOf("entailed", {}, step, false);
-  if (const auto known = cache_->entailed.find(key))
-    return *known;
-  std::vector<std::string> literals = current().entailedAt(step);
-  cache_->entailed.keep(key, literals, sizeOf(literals));
-  return literals;
+  return answer(
+      cache_->entailed, keyOf("entailed", {}, step, false),
+      [&] { return current().entailedAt(step); },
+      [](const std::vector<std::string>& literals) { return sizeOf(literals); });
 }
 
 bool CachedReasoner::cite(reasoner::Explanation& explanation) const
@@ -291,42 +326,45 @@ bool CachedReasoner::cite(reasoner::Explanation& explanation) const
 reasoner::Explanation CachedReasoner::explain(const std::string& literal, int step)
 {
   const Fingerprint key = keyOf("explain", literal, step, false);
-  if (const auto known = cache_->explanations.find(key))
+  const auto known = is_long_ ? nullptr : cache_->explanations.find(key);
+  if (known)
   {
     reasoner::Explanation explanation = *known;
     if (match_ == ConfidenceMatch::kBelowOne)
       static_cast<void>(cite(explanation));
     return explanation;
   }
-  reasoner::Explanation explanation = fresh()->explain(literal, step);
+  reasoner::Explanation explanation = unbiased()->explain(literal, step);
   reasoner::Explanation cited = explanation;
-  if (match_ == ConfidenceMatch::kExact || (cite(cited) && cited.records == explanation.records))
+  const bool citable =
+      match_ == ConfidenceMatch::kExact || (cite(cited) && cited.records == explanation.records);
+  if (!is_long_ && citable)
     cache_->explanations.keep(key, explanation, sizeOf(explanation));
   return explanation;
 }
 
 std::vector<reasoner::Retraction> CachedReasoner::retractions(const std::string& literal, int step)
 {
-  const Fingerprint key = keyOf("retractions", literal, step, true);
-  if (const auto known = cache_->retractions.find(key))
-    return *known;
-  std::vector<reasoner::Retraction> retractions = fresh()->retractions(literal, step);
-  std::size_t bytes = sizeof retractions;
-  for (const auto& retraction : retractions)
-    bytes += sizeof retraction + retraction.records.size() * sizeof(std::size_t) +
-             retraction.opens.size() + retraction.in_words.size();
-  cache_->retractions.keep(key, retractions, bytes);
-  return retractions;
+  return answer(
+      cache_->retractions, keyOf("retractions", literal, step, true),
+      [&] { return unbiased()->retractions(literal, step); },
+      [](const std::vector<reasoner::Retraction>& retractions) {
+    std::size_t bytes = sizeof retractions;
+    for (const auto& retraction : retractions)
+      bytes += sizeof retraction + retraction.records.size() * sizeof(std::size_t) +
+               retraction.opens.size() + retraction.in_words.size();
+    return bytes;
+      });
 }
 
 reasoner::PlanResult CachedReasoner::plan(const std::string& goal, std::uint32_t max_plans,
                                           const std::atomic<bool>& cancel)
 {
   const Fingerprint key = keyOf("plan", goal, static_cast<int>(max_plans), false);
-  if (const auto known = cache_->plans.find(key))
+  if (const auto known = is_long_ ? nullptr : cache_->plans.find(key))
     return *known;
-  reasoner::PlanResult result = fresh()->plan(goal, max_plans, cancel);
-  if (result.complete)
+  reasoner::PlanResult result = unbiased()->plan(goal, max_plans, cancel);
+  if (result.complete && !is_long_)
     cache_->plans.keep(key, result, sizeOf(result));
   return result;
 }

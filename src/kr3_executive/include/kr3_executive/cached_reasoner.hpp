@@ -44,7 +44,9 @@ enum class ConfidenceMatch : std::uint8_t
 /// are entailed or possible, and what explains a history, is one answer; for these a reasoner is
 /// kept from mission to mission, and learns of the history when something has to be computed. Among
 /// equally good plans, and equally short reasons, a search picks one by what it learned earlier:
-/// these come from a new reasoner each time.
+/// these come from a new reasoner each time. From where a history is so long that it is progressed
+/// (HistoryWindow), the mission has a reasoner of its own and nothing is looked up: such histories
+/// do not repeat, and telling them anew would take longer with each step.
 ///
 /// Not thread-safe; one instance per thread, which may share the cache.
 class CachedReasoner : public HighLevelReasoner
@@ -87,8 +89,15 @@ private:
   void tell(const std::vector<reasoner::Record>& records, bool anew);
   /// The reasoner that is kept, with the whole history.
   InProcessReasoner& current();
-  /// A new one.
-  [[nodiscard]] std::unique_ptr<InProcessReasoner> fresh() const;
+  /// A new one with the whole history, or the mission's own.
+  [[nodiscard]] std::shared_ptr<InProcessReasoner> unbiased();
+  [[nodiscard]] std::shared_ptr<InProcessReasoner> fresh() const;
+  /// @throws InvalidArgument  a record does not fit the description
+  void becomeLong();
+  /// What the cache knows, else what is computed and, if it may be, kept.
+  template <typename Value, typename Compute, typename SizeOf>
+  Value answer(ContentCache<Value>& cache, const Fingerprint& key, const Compute& compute,
+               const SizeOf& size_of);
   [[nodiscard]] Fingerprint keyOf(const char* question, const std::string& text, int step,
                                   bool exactly) const;
   [[nodiscard]] std::vector<reasoner::Record> records() const;
@@ -100,10 +109,12 @@ private:
   reasoner::Description description_;
   reasoner::PlanOptions options_;
   ReasonerSettings settings_;
-  InProcessReasoner reasoner_;
+  std::shared_ptr<InProcessReasoner> reasoner_;
   ConfidenceMatch match_ = ConfidenceMatch::kExact;
   Fingerprint empty_;  // of the description and the options
   std::vector<Told> told_;
+  int step_ = 0;                      // current one of what was told
+  bool is_long_ = false;              // the reasoner is this mission's own
   std::vector<Fingerprint> applied_;  // of the calls that reached the reasoner, by `exact`
 };
 
