@@ -223,7 +223,6 @@ class Bench:
             hits = answer["stats"]["hit_rate"]
             self.add(Row(f"{domain}, trials: hits", hits, "", None, "higher", params))
 
-
     def floors(self, threads: int) -> None:
         """Trials a second on floors of rooms, from empty caches on: policies and plans included."""
         sizes = (4, 10) if self.quick else (4, 5, 6, 8, 10, 15, 20, 30, 50, 100)
