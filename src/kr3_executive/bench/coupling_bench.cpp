@@ -170,7 +170,7 @@ json measureCache(const Options& options)
 class Silent : public MissionObserver
 {
 public:
-  [[nodiscard]] Interest interest() const override { return {false, false}; }
+  [[nodiscard]] Interest interest() const override { return {false, false, false}; }
   void onEvent(const ReportedEvent& /*event*/) override {}
   void onBelief(const ReportedBelief& /*belief*/) override {}
   void onSnapshot(const Snapshot& /*snapshot*/) override {}

@@ -58,7 +58,8 @@ public:
     for (; seen_ < snapshot.history.size(); ++seen_)
       count(snapshot.history[seen_]);
     seen_ = snapshot.history.size();  // records may have been taken back
-    next_.onSnapshot(snapshot);
+    if (next_.interest().snapshots)
+      next_.onSnapshot(snapshot);
   }
 
   RefutationCount refutations;

@@ -36,7 +36,7 @@ class Printer : public MissionObserver
 {
 public:
   explicit Printer(bool quiet) : quiet_(quiet) {}
-  [[nodiscard]] Interest interest() const override { return {!quiet_, false}; }
+  [[nodiscard]] Interest interest() const override { return {!quiet_, false, false}; }
   void onEvent(const ReportedEvent& event) override
   {
     if (!quiet_)

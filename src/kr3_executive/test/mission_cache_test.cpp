@@ -103,14 +103,14 @@ TEST(MissionCaches, ATrialGoesAsIfItWereTheFirst)
   for (std::uint64_t seed = 1; seed <= 6; ++seed)
   {
     AbstractMissions alone(kOffice, counted());
-    Listener silent({false, false});
+    Listener silent({false, false, false});
     Listener all({true, true});
     const auto first = trial(alone, seed, all);
     EXPECT_EQ(trial(kept, seed, silent), first) << seed;
     EXPECT_EQ(silent.events + silent.inputs, 0);
     EXPECT_TRUE(silent.decisions.empty());
     Listener again({true, true});
-    Listener log({false, true});
+    Listener log({false, true, false});
     EXPECT_EQ(trial(kept, seed, again), first) << seed;
     EXPECT_EQ(trial(kept, seed, log), first) << seed;
     EXPECT_EQ(again.decisions, all.decisions) << seed;
@@ -130,7 +130,7 @@ TEST(MissionCaches, ATrialGoesAsIfItWereTheFirst)
 TEST(MissionCaches, ThreadsComeToTheSame)
 {
   constexpr std::uint64_t kTrials = 8;
-  Listener silent({false, false});
+  Listener silent({false, false, false});
   std::vector<std::vector<std::string>> expected;
   AbstractMissions one(kOffice, counted());
   for (std::uint64_t seed = 0; seed < kTrials; ++seed)
@@ -140,7 +140,7 @@ TEST(MissionCaches, ThreadsComeToTheSame)
   const auto second = first.another();
   std::vector<std::vector<std::string>> found(kTrials);
   const auto work = [&found](AbstractMissions& missions, std::uint64_t from) {
-    Listener own({false, false});
+    Listener own({false, false, false});
     for (std::uint64_t seed = from; seed < kTrials; seed += 2)
       found[seed] = trial(missions, seed, own);
   };
