@@ -153,8 +153,7 @@ std::shared_ptr<AbstractMissions::Shared> AbstractMissions::read(
   const auto map_file = path / "map.yaml";
   refinement::ModelsOptions numbers;
   numbers.require_learned = config.require_learned;
-  const auto file = [&](const std::string& name)
-  {
+  const auto file = [&](const std::string& name) {
     const std::string full = (path / name).string();
     return DomainFile{full, readTextFile(full)};
   };
@@ -166,9 +165,8 @@ std::shared_ptr<AbstractMissions::Shared> AbstractMissions::read(
   Scenario scenario;
   if (std::filesystem::exists(path / "scenario.yaml"))
     scenario = readScenario((path / "scenario.yaml").string(), high_level);
-  auto shared = std::make_shared<Shared>(
-      Shared{std::move(loaded.domain), std::move(loaded.models), std::move(loaded.bindings),
-             std::move(scenario)});
+  auto shared = std::make_shared<Shared>(Shared{std::move(loaded.domain), std::move(loaded.models),
+                                                std::move(loaded.bindings), std::move(scenario)});
   shared->costs =
       std::make_shared<PlanCosts>(std::make_shared<TaskCache>(*shared->domain, shared->models));
   return shared;

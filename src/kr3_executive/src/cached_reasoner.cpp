@@ -113,8 +113,7 @@ std::size_t sizeOf(const reasoner::Explanation& explanation)
 
 CachedReasoner::CachedReasoner(reasoner::Description description,
                                const reasoner::PlanOptions& options,
-                               std::shared_ptr<ReasonerCache> cache,
-                               std::uint32_t history_window)
+                               std::shared_ptr<ReasonerCache> cache, std::uint32_t history_window)
   : cache_(cache ? std::move(cache) : std::make_shared<ReasonerCache>())
   , description_(std::move(description))
   , options_(options)
@@ -165,7 +164,8 @@ void CachedReasoner::tell(const std::vector<Record>& records, bool anew)
   });
   const Fingerprint& key = told_.back().below_one;
   const bool taken = certain && cache_->histories.find(key);
-  const bool becomes_long = !is_long_ && step_ > HistoryWindow::kSteps * 3 / 2;
+  const int window = static_cast<int>(settings_.history_window);
+  const bool becomes_long = !is_long_ && window > 0 && step_ > window * 3 / 2;
   if (taken && !is_long_ && !becomes_long)
     return;
   try

@@ -72,7 +72,8 @@ MissionResult MissionDriver::achieve(const std::string& goal,
     note(MissionBegun{goal, initial, limits, time_limit_s, config_, knowledge_, settings});
   apply(given);
   if (summed_up > 0)
-    report(EventKind::kRecord, narrator_.summedUp(summed_up, knowledge_.history.size()));
+    report(EventKind::kRecord,
+           [&] { return narrator_.summedUp(summed_up, knowledge_.history.size()); });
   while (state_.phase != Phase::kFinished)
   {
     std::optional<Event> event = interruption();

@@ -34,7 +34,8 @@ Event MissionDriver::performPolicy(const RequestPolicy& request)
   }
   catch (const FailedPrecondition& e)
   {
-    report(EventKind::kPolicy, {"no policy for " + request.action + ": " + e.what()});
+    report(EventKind::kPolicy,
+           [&] { return Narration{"no policy for " + request.action + ": " + e.what()}; });
     return ActionImpossible{e.what(), situationOf(request.action)};
   }
   const SolvedPolicy policy = solvePolicy(request.action);

@@ -288,13 +288,13 @@ bool HierarchicalController::begin(const Choice& choice, const DomainBelief& bel
     const auto solved = plan_->task(choice.state, choice.action, knowledgeFor(choice, belief, true),
                                     choice.objective);
     const std::string policy = policies_.solve(solved.model(), config_.budget, cancel).id;
-    active_.emplace(Active{
-        plan_->actionText(choice.action),
-        LowLevelTask(belief.task().domain(),
-                     std::make_shared<const refinement::PomdpTask>(
-                         plan_->task(choice.state, choice.action, actual, choice.objective)),
-                     actual),
-        policy, 0, 0, choice.is_look ? std::optional(choice.action) : std::nullopt});
+    active_.emplace(Active{plan_->actionText(choice.action),
+                           LowLevelTask(belief.task().domain(),
+                                        std::make_shared<const refinement::PomdpTask>(plan_->task(
+                                            choice.state, choice.action, actual, choice.objective)),
+                                        actual),
+                           policy, 0, 0,
+                           choice.is_look ? std::optional(choice.action) : std::nullopt});
   }
   catch (const FailedPrecondition&)  // nothing to do there, or impossible
   {

@@ -184,8 +184,8 @@ TEST_F(CachedReasonerTest, AnswersAreThoseOfTheReasoner)
     }
     const auto why = cached.explain("loc(tb1) = aux_library", 1);
     EXPECT_EQ(why.reasons, plain.explain("loc(tb1) = aux_library", 1).reasons);
-    const auto plans = cached.plan(goal, kGoOn);
-    const auto others = plain.plan(goal, kGoOn);
+    const auto plans = cached.plan(goal, 1, kGoOn);
+    const auto others = plain.plan(goal, 1, kGoOn);
     ASSERT_EQ(plans.plans.size(), others.plans.size());
     for (std::size_t i = 0; i < plans.plans.size(); ++i)
       EXPECT_EQ(plans.plans[i].steps, others.plans[i].steps);
@@ -226,7 +226,7 @@ TEST_F(CachedReasonerTest, AnotherConfidenceCountsOnlyWhereItMatters)
 TEST_F(CachedReasonerTest, ALongHistoryIsNotLookedUp)
 {
   std::vector<Record> steps;
-  for (int step = 0; step < HistoryWindow::kSteps * 3 / 2 + 4; ++step)
+  for (int step = 0; step < static_cast<int>(kDefaultHistoryWindow) * 3 / 2 + 4; ++step)
   {
     steps.push_back({RecordKind::kHappened,
                      step % 2 == 0 ? "move(rob1, kitchen)" : "move(rob1, corridor)", true, step});
