@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measure a part of KR3 against its goals: bench.sh {reasoner | pomdp | coupling | robot} [--quick] [--json FILE]
+# Measure a part of KR3 against its goals: bench.sh {reasoner | pomdp | coupling | robot | experiments} [--quick] [--json FILE]
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -30,7 +30,11 @@ case "$part" in
     enter_workspace
     exec /usr/bin/python3 -B "$root/src/kr3_experiments/bench/bench_robot.py" --programs "$workspace/devel/lib" "$@"
     ;;
+  experiments)
+    case " $* " in *" --help "* | *" -h "*) ;; *) build_workspace ;; esac
+    run_in_workspace bench_experiments "$@"
+    ;;
   *)
-    fail "unknown benchmark '$part', expected: reasoner, pomdp, coupling or robot"
+    fail "unknown benchmark '$part', expected: reasoner, pomdp, coupling, robot or experiments"
     ;;
 esac
