@@ -225,8 +225,9 @@ TEST_F(CachedReasonerTest, AnotherConfidenceCountsOnlyWhereItMatters)
 
 TEST_F(CachedReasonerTest, ALongHistoryIsNotLookedUp)
 {
+  constexpr int kWindow = kDefaultHistoryWindow;
   std::vector<Record> steps;
-  for (int step = 0; step < static_cast<int>(kDefaultHistoryWindow) * 3 / 2 + 4; ++step)
+  for (int step = 0; step < kWindow * 3 / 2 + 4; ++step)
   {
     steps.push_back({RecordKind::kHappened,
                      step % 2 == 0 ? "move(rob1, kitchen)" : "move(rob1, corridor)", true, step});
@@ -246,7 +247,7 @@ TEST_F(CachedReasonerTest, ALongHistoryIsNotLookedUp)
   }
   const int now = currentStep(steps);
   const std::size_t taken = cache->histories.stats().entries;
-  EXPECT_LE(taken, static_cast<std::size_t>(HistoryWindow::kSteps * 3 / 2));
+  EXPECT_LE(taken, static_cast<std::size_t>(kWindow * 3 / 2));
   EXPECT_EQ(cached.entailedAt(now), plain.entailedAt(now));
   EXPECT_EQ(cached.diagnose().explanations, plain.diagnose().explanations);
   EXPECT_EQ(cache->entailed.stats().entries, 0U);
