@@ -187,6 +187,24 @@ void MissionDriver::tell(const Record& record)
     takeInTold();
 }
 
+namespace
+{
+
+/// Where a fact that comes between missions belongs. After an action of the robot one step passes
+/// in which it does nothing: others may have changed what the action left behind.
+int stepOfNews(const std::vector<Record>& history)
+{
+  const int now = currentStep(history);
+  const bool acted = std::any_of(history.begin(), history.end(), [now](const Record& record) {
+    const bool is_action =
+        record.kind == RecordKind::kHappened || record.kind == RecordKind::kAttempted;
+    return is_action && record.step == now - 1;
+  });
+  return acted ? now + 1 : now;
+}
+
+}  // namespace
+
 void MissionDriver::takeInTold()
 {
   std::vector<Record> told;
@@ -196,10 +214,11 @@ void MissionDriver::takeInTold()
   }
   if (told.empty())
     return;
+  const int step = stepOfNews(knowledge_.history);
   for (auto& record : told)
   {
     note(FactTold{record, false});
-    record.step = currentStep(knowledge_.history);
+    record.step = step;
   }
   addToHistory(told);
   for (const auto& record : told)

@@ -21,7 +21,9 @@ template <typename Count>
 Count countAt(const json& item, const char* field, Count most = std::numeric_limits<Count>::max())
 {
   const json& value = item.at(field);
-  if (!value.is_number_unsigned() || value.get<std::uint64_t>() > most)
+  const bool is_count =
+      value.is_number_unsigned() || (value.is_number_integer() && value.get<std::int64_t>() >= 0);
+  if (!is_count || value.get<std::uint64_t>() > most)
     throw InvalidArgument(std::string(field) + " " + value.dump() +
                           ", expected a number from 0 to " + std::to_string(most));
   return value.get<Count>();

@@ -297,9 +297,10 @@ class ExecutiveNodeTest(unittest.TestCase):
         self.robot.hold_search.set()
         type(self).node = start_node(state_file=self.state_file)
         threading.Thread(target=self._collect, args=(self.node,), daemon=True).start()
-        deadline = time.monotonic() + 90
+        deadline = time.monotonic() + 60
         while MissionEvent.DONE not in [event.kind for event in self.events]:
-            self.assertLess(time.monotonic(), deadline, "the mission did not go on")
+            told = [event.text for event in self.events][-30:]
+            self.assertLess(time.monotonic(), deadline, f"the mission did not end: {told}")
             time.sleep(0.1)
         self.assertTrue(self.robot.book.startswith("office"))
         self.assertFalse(self.robot.held)

@@ -156,7 +156,7 @@ class SkillNodeTest(unittest.TestCase):
         self.assertTrue(client.wait_for_result(rospy.Duration(DEADLINE_S)))
         subscriber.unregister()
         status = client.get_result().status
-        self.assertEqual(status.code, Status.FAILED_PRECONDITION)
+        self.assertEqual(status.code, Status.UNAVAILABLE)
         self.assertIn("refused to hand over cup", status.message)
 
     def test_rejects_bad_requests_and_survives(self):

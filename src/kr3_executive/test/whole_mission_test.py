@@ -172,14 +172,14 @@ class WholeMissionTest(unittest.TestCase):
         self.assertEqual(history.count((HistoryRecord.HPD, "grasp(rob1, tb1)", True)), 1)
         self.assertNotIn((HistoryRecord.OBS, "loc(tb1) = main_library", False), history)
 
-    def test_3_a_refusal_ends_the_mission_and_teaches_nothing_false(self):
+    def test_3_who_refuses_three_times_ends_the_mission_and_nothing_false_is_learned(self):
         self.start(f"{self.domain}/bindings_hand_over.yaml")
-        self.person.answers, self.person.requests = ["refuse"], []
+        self.person.answers, self.person.requests = ["refuse"] * 10, []
         result = self.achieve("in_hand(rob1, tb1)")
         self.assertFalse(result.achieved)
-        self.assertEqual(result.status.code, Status.FAILED_PRECONDITION)
+        self.assertEqual(result.status.code, Status.UNAVAILABLE)
         self.assertIn("refused to hand over tb1", result.status.message)
-        self.assertEqual(len(self.person.requests), 1)
+        self.assertEqual(len(self.person.requests), 3)  # max_skill_retries is 2
         history = self.history()
         self.assertNotIn((HistoryRecord.OBS, "loc(tb1) = main_library", False), history)
         self.assertNotIn((HistoryRecord.HPD, "grasp(rob1, tb1)", True), history)

@@ -262,7 +262,7 @@ SkillNode::Outcome SkillNode::handOver(const Arguments& arguments, const Run& ru
   }
   say("");
   if (answer == Answer::kRefused)
-    throw FailedPrecondition("the person who was asked refused to hand over " + object);
+    throw Unavailable("the person who was asked refused to hand over " + object);
   return {robot_.closeGripper() ? kSucceeded : kFailed, {}, 1.0};
 }
 
