@@ -131,7 +131,7 @@ def test_an_observation_that_is_altered_changes_the_decisions_after_it(capfd):
     assert any(" differs" in line for line in compared)
     now = next(line for line in compared_with(lines) if line.startswith("now "))
     assert "grasp(" not in now  # it looks on instead
-    assert lines[-2].startswith("nothing is recorded of ")
+    assert any(line.startswith("nothing is recorded of ") for line in lines[-4:])
 
 
 @needs_tool

@@ -34,6 +34,13 @@ class Driver:
         )
         self.num_commands = 0
 
+    def close(self):
+        """So that no later driver takes this one's connections for its own."""
+        for collector in (self.scans, self.truth, self.images, self.infos):
+            collector.subscriber.unregister()
+        self.commands.unregister()
+        self.acknowledgements.unregister()
+
     def register(self, timeout=0.0):
         request = RegisterConsumer._request_class(name=NAME)
         request.period, request.timeout = rospy.Duration(PERIOD), rospy.Duration(timeout)
@@ -88,10 +95,7 @@ def run_once(name):
     finally:
         node.send_signal(2)
         output, _ = node.communicate(timeout=TIMEOUT)
-        for collector in (driver.scans, driver.truth, driver.images, driver.infos):
-            collector.subscriber.unregister()
-        driver.commands.unregister()
-        driver.acknowledgements.unregister()
+        driver.close()
     assert node.returncode == 0, output
     scans = [struct.pack(f"{len(m.ranges)}f", *m.ranges) for m in driver.scans.messages]
     poses = [
@@ -127,6 +131,7 @@ class LockstepTest(unittest.TestCase):
             state = Collector("lockstep/state", LockstepState)
             clock = Collector("/clock", Clock)
             driver = Driver()
+            self.addCleanup(driver.close)
             driver.register(timeout=0.5)
             began = time.monotonic()
             wait_until(lambda: state.messages and state.messages[-1].removed, "removal")
@@ -155,6 +160,7 @@ class LockstepTest(unittest.TestCase):
             gone = rospy.ServiceProxy("lockstep/unregister", UnregisterConsumer)("nobody")
             self.assertEqual(gone.status.code, Status.NOT_FOUND)
             driver = Driver()
+            self.addCleanup(driver.close)
             wait_until(lambda: driver.acknowledgements.get_num_connections() > 0, "sim_node")
             driver.acknowledge(rospy.Time(1))  # of nobody
             Collector("/clock", Clock).next()
