@@ -8,8 +8,8 @@ from kr3_experiments.experiment.definition import (
     Options,
     Table,
     by_seed,
-    false_declarations,
     mean_of,
+    outcome_cells,
     plot,
     select,
     success_of,
@@ -87,11 +87,7 @@ class DefaultBias:
                     METHOD_NAMES[method],
                     "-" if method == "pa" else f"{bias:g}",
                     target,
-                    str(len(group)),
-                    success_of(group).text(3),
-                    str(false_declarations(group)),
-                    mean_of(group, "ll_actions").text(1),
-                    mean_of(group, "duration_s").text(1),
+                    *outcome_cells(group, "ll_actions", "duration_s"),
                 ]
             )
         found.tables.append(table)

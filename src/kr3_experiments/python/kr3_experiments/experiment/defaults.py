@@ -8,11 +8,10 @@ from kr3_experiments.experiment.definition import (
     Options,
     Table,
     by_seed,
-    false_declarations,
     mean_of,
+    outcome_cells,
     plot,
     select,
-    success_of,
 )
 from kr3_experiments.experiment.points import Floor, Point, TargetRule
 from kr3_experiments.experiment.rows import Row
@@ -116,12 +115,7 @@ class Defaults:
                     str(rooms),
                     f"{share:g}",
                     METHOD_NAMES[method],
-                    str(len(group)),
-                    success_of(group).text(3),
-                    str(false_declarations(group)),
-                    mean_of(group, "hl_actions").text(1),
-                    mean_of(group, "ll_actions").text(1),
-                    mean_of(group, "duration_s").text(1),
+                    *outcome_cells(group, "hl_actions", "ll_actions", "duration_s"),
                 ]
             )
         return table

@@ -105,6 +105,16 @@ def false_declarations(rows: Sequence[Row]) -> int:
     return sum(row["declared"] and not row["goal_true"] for row in rows)
 
 
+def outcome_cells(rows: Sequence[Row], *means: str) -> List[str]:
+    """Cells of a table: number of trials, success, false declarations, and means of columns."""
+    return [
+        str(len(rows)),
+        success_of(rows).text(3),
+        str(false_declarations(rows)),
+        *(mean_of(rows, column).text(1) for column in means),
+    ]
+
+
 def select(rows: Sequence[Row], **values: Any) -> List[Row]:
     """Rows with these values."""
     return [row for row in rows if all(row[key] == value for key, value in values.items())]
