@@ -8,7 +8,7 @@ of one hall with wide openings). Every room is furnished so that the robot gets 
 front.
 Objects of a class look different from one another. With --looks the objects are those of another folder.
 The same arguments write the same files. What is not written: map.bt (./kr3 map NAME) and perception.yml.gz
-(render_dataset and train_detector, see the README of kr3_perception).
+(./kr3 train NAME; with --looks a link to that of the other domain does).
 """
 
 import argparse

@@ -53,6 +53,12 @@ def test_a_missing_map_says_how_to_build_it(copied):
         load_domain("copy", copied).require_map()
 
 
+def test_a_missing_model_says_how_to_learn_it(copied):
+    (copied / "domains" / "copy" / "perception.yml.gz").unlink(missing_ok=True)
+    with pytest.raises(Kr3Error, match="there is no model .*: learn it with ./kr3 train copy"):
+        load_domain("copy", copied).require_model()
+
+
 def test_a_scenario_with_a_foreign_place_is_refused(copied):
     file = copied / "domains" / "copy" / "scenario.yaml"
     goal_place = load_domain("copy", copied).target.goal_place

@@ -31,6 +31,7 @@ _COMMANDS: Dict[str, Command] = {
     "record": Command("record", "record a bag of the running robot until Ctrl-C"),
     "replay": Command("replay", "compute a bag's decisions again, or play it"),
     "map": Command("mapping", "let the robot drive and build the map of a domain"),
+    "train": Command("training", "learn to see a domain's objects from rendered pictures"),
     "learn": Command("learning.command", "learn the low level's numbers from trials"),
     "experiment": Command(
         "experiment.command", "run an experiment of the paper, and write its report"

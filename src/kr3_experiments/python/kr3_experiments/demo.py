@@ -56,6 +56,8 @@ def run(args: argparse.Namespace) -> int:
     terminal = Terminal()
     world = world_from(args)
     world.domain.require_map()
+    if args.stack is None:  # another stack may do without a detector
+        world.domain.require_model()
     profile = None if args.no_bag else load_profile(repository_root() / "rosbag" / "mission.yaml")
     run_dir = new_run_dir("demo") if args.run_dir is None else existing_run_dir(args.run_dir)
     if profile is not None:

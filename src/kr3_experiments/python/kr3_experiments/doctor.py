@@ -54,8 +54,10 @@ def check_domains() -> List[Finding]:
     for folder in sorted((repository_root() / "domains").glob("*/scenario.yaml")):
         name = folder.parent.name
         try:
-            load_domain(name, repository_root()).require_map()
-            findings.append((True, f"domain {name}: scenario, building and map are there"))
+            domain = load_domain(name, repository_root())
+            domain.require_map()
+            domain.require_model()
+            findings.append((True, f"domain {name}: scenario, building, map and model are there"))
         except Kr3Error as error:
             findings.append((False, f"domain {name}: {error}"))
     return findings

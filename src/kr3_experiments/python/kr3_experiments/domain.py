@@ -90,6 +90,18 @@ class Domain:
             )
         return found.group(1)
 
+    @property
+    def model_file(self) -> Path:
+        """What the detector has learned about the domain's objects."""
+        return self.folder / "perception.yml.gz"
+
+    def require_model(self) -> None:
+        """@throws Kr3Error  nothing was learned about the domain's objects yet"""
+        if not self.model_file.is_file():
+            raise Kr3Error(
+                f"there is no model {self.model_file}: learn it with ./kr3 train {self.name}"
+            )
+
     def require_map(self) -> None:
         """@throws Kr3Error  the domain has no map yet"""
         if not self.map_file.is_file():

@@ -24,6 +24,8 @@ def run(args: argparse.Namespace) -> int:
     terminal = Terminal()
     world = world_from(args)
     world.domain.require_map()
+    if args.stack is None:  # another stack may do without a detector
+        world.domain.require_model()
     run_dir = new_run_dir("up")
     terminal.heading("Starting the stack")
     with Stack(run_dir, terminal.detail) as stack:

@@ -86,10 +86,11 @@ class Robot:
     labels: Mapping[str, Callable[[str], Any]] = {"building": str, "method": str}
 
     def settings(self) -> List[_Setting]:
-        """@throws Kr3Error  a building has no map yet"""
+        """@throws Kr3Error  a building has no map or no detector's model yet"""
         domains = [load_domain(name, repository_root()) for name in _DOMAINS]
         for domain in domains:
             domain.require_map()
+            domain.require_model()
         return [_Setting(domain, method) for domain in domains for method in _METHODS]
 
     def measure(self, folder: Path, options: Options, run: bool = True) -> List[Row]:
