@@ -161,12 +161,19 @@ std::shared_ptr<AbstractMissions::Shared> AbstractMissions::read(
       load(high_level, refined,
            std::filesystem::exists(map_file) ? refinement::readComponentMap(map_file.string())
                                              : gridOf(high_level, refined, config),
-           file("models.yaml"), file(config.bindings), numbers);
+           file(config.models), file(config.bindings), numbers);
+  std::optional<refinement::Models> world;
+  if (!config.world_models.empty())
+  {
+    const DomainFile truth = file(config.world_models);
+    world = refinement::parseModels(truth.text, truth.name, *loaded.domain);
+  }
   Scenario scenario;
   if (std::filesystem::exists(path / "scenario.yaml"))
     scenario = readScenario((path / "scenario.yaml").string(), high_level);
   auto shared = std::make_shared<Shared>(Shared{std::move(loaded.domain), std::move(loaded.models),
-                                                std::move(loaded.bindings), std::move(scenario)});
+                                                std::move(world), std::move(loaded.bindings),
+                                                std::move(scenario)});
   shared->costs =
       std::make_shared<PlanCosts>(std::make_shared<TaskCache>(*shared->domain, shared->models));
   return shared;
@@ -212,7 +219,7 @@ TrialResult AbstractMissions::run(const MissionSetup& setup, MissionObserver& ob
           coarse);
   }
 
-  AbstractWorld world(*shared_->domain, shared_->models, setup.seed);
+  AbstractWorld world(*shared_->domain, worldModels(), setup.seed);
   world.setNoise(setup.noise);
   world.reset(coarse, fine);
   const Narrator narrator(shared_->bindings.phrases(), shared_->domain->highLevel());

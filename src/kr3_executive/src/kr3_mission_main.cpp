@@ -93,6 +93,10 @@ void addOptions(CLI::App& app, Options& options)
                  "s of the solver, 0 = no limit");
   app.add_option("--default-probability", options.mission.driver.default_probability);
   app.add_option("--bindings", options.mission.bindings, "file in DOMAIN_DIR");
+  app.add_option("--models", options.mission.models,
+                 "what the robot plans with and believes by; file in DOMAIN_DIR");
+  app.add_option("--world-models", options.mission.world_models,
+                 "what is so in the world, as --models; default: the robot's");
   app.add_option("--method", options.method,
                  "pa, pa_star, pomdp1, pomdp2, hierarchical; several with commas, or all: a table");
   app.add_option("--bias", options.mission.baseline.default_probability,
@@ -105,9 +109,9 @@ void addOptions(CLI::App& app, Options& options)
                "refuse numbers of models.yaml that were not learned from trials");
   app.add_flag("--quiet", options.quiet, "print the summary only");
   app.add_flag("--caches", options.caches, "print what the caches answered");
-  for (const char* name :
-       {"--goal", "--seed", "--trials", "--threads", "--target-at", "--true", "--cells-per-place",
-        "--max-backups", "--solve-time", "--default-probability", "--bindings"})
+  for (const char* name : {"--goal", "--seed", "--trials", "--threads", "--target-at", "--true",
+                           "--cells-per-place", "--max-backups", "--solve-time",
+                           "--default-probability", "--bindings", "--models", "--world-models"})
     script->excludes(app.get_option(name));  // a script says all of it
   app.callback([domain, script] {
     if (domain->count() == 0 && script->count() == 0)

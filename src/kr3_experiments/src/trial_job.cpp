@@ -58,6 +58,12 @@ const std::map<std::string, Setter>& setters()
        [](TrialJob& job, const json& v) {
     job.config.bindings = valueOf<std::string>(v, "bindings");
        }},
+      {"models",
+       [](TrialJob& job, const json& v) { job.config.models = valueOf<std::string>(v, "models"); }},
+      {"world_models",
+       [](TrialJob& job, const json& v) {
+    job.config.world_models = valueOf<std::string>(v, "world_models");
+       }},
       {"components_per_whole",
        [](TrialJob& job, const json& v) {
     job.config.components_per_whole = countOf<std::size_t>(v, "components_per_whole");

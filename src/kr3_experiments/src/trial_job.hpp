@@ -32,10 +32,10 @@ struct TrialJob
 };
 
 /// A job from one line of JSON. Keys: `job`, `domain`, `trials` (`seed`, `truths`) are required;
-/// `goal`, `method`, `bindings`, `components_per_whole`, `default_probability`, `precision`,
-/// `max_backups`, `bias`, `flat_planning`, `flat_precision`, `flat_backups`, `max_hl_actions`,
-/// `max_ll_actions`, `threshold` have the defaults of the executive. Solvers get no time limit:
-/// what a trial does is a function of the job alone.
+/// `goal`, `method`, `bindings`, `models`, `world_models`, `components_per_whole`,
+/// `default_probability`, `precision`, `max_backups`, `bias`, `flat_planning`, `flat_precision`,
+/// `flat_backups`, `max_hl_actions`, `max_ll_actions`, `threshold` have the defaults of the
+/// executive. Solvers get no time limit: what a trial does is a function of the job alone.
 ///
 /// @throws InvalidArgument  no JSON, or an unknown, missing or wrong key; the message names it
 [[nodiscard]] TrialJob readTrialJob(const std::string& line);

@@ -1,6 +1,7 @@
 """Sweeps with the real kr3_trials: rows do not depend on how they were computed."""
 import os
 import signal
+from dataclasses import replace
 from pathlib import Path
 from typing import Iterator, List, Sequence, Tuple
 
@@ -136,6 +137,44 @@ def test_a_refused_job_ends_the_sweep_in_words(tmp_path: Path) -> None:
     world = configurations(points(bias=3.0), tmp_path / "floors")
     with pytest.raises(Kr3Error, match="'bias': found 3.0"):
         sweep(world, tmp_path / "out", jobs=1)
+
+
+def with_models(floor: List[Configuration], world: str, robot: str) -> List[Configuration]:
+    """The first point, with models of world and robot."""
+    point = floor[0].point
+    files = {"world.yaml": world, "robot.yaml": robot}
+    job = {**point.job, "models": "robot.yaml", "world_models": "world.yaml"}
+    changed = replace(point, job=job, files=files, seeds=(1, 31))
+    return [Configuration(changed, {**floor[0].files, **files})]
+
+
+def test_a_world_may_differ_from_what_the_robot_believes(
+    world: List[Configuration], tmp_path: Path
+) -> None:
+    models = world[0].files["models.yaml"]
+    believed = "true_positive: 0.90, false_positive: 0.05"
+    assert believed in models
+    poor = models.replace(believed, "true_positive: 0.80, false_positive: 0.40")
+    grasp = "succeeded: 0.9, failed: 0.1"
+    assert grasp in models
+    worse = poor.replace(grasp, "succeeded: 0.5, failed: 0.5")
+    results = ("declared", "goal_true", "hl_actions", "ll_actions", "duration_s", "policies")
+
+    def outcomes(configurations: List[Configuration], folder: str) -> List[List[object]]:
+        rows = sweep(configurations, tmp_path / folder, jobs=1, size=30)
+        return [[row[column] for column in results] for row in rows]
+
+    equal = outcomes(with_models(world, models, models), "equal")
+    assert equal[:TRIALS] == outcomes(world[:1], "one")
+    knowing = outcomes(with_models(world, worse, worse), "knowing")
+    trusting = outcomes(with_models(world, worse, models), "trusting")
+    assert knowing != trusting != equal
+    digests = {
+        with_models(world, first, second)[0].digest
+        for first in (models, poor)
+        for second in (models, poor)
+    }
+    assert len(digests) == 4
 
 
 def test_the_configuration_names_what_rows_depend_on(tmp_path: Path) -> None:

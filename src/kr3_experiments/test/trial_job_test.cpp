@@ -29,12 +29,15 @@ TEST(TrialJob, SaysEverythingThatARowDependsOn)
 {
   const TrialJob job = readTrialJob(
       R"({"job": "a7", "domain": "d", "method": "pomdp2", "bias": 0.7, "flat_backups": 50,
-          "max_ll_actions": 9, "trials": [{"seed": 3, "truths": ["f = 1"]}, {"seed": 4}]})");
+          "max_ll_actions": 9, "models": "learned.yaml", "world_models": "models.yaml",
+          "trials": [{"seed": 3, "truths": ["f = 1"]}, {"seed": 4}]})");
   EXPECT_EQ(job.id, "a7");
   EXPECT_EQ(job.config.method, kr3::executive::Method::kPomdp2);
   EXPECT_EQ(job.config.baseline.default_probability, 0.7);
   EXPECT_EQ(job.config.baseline.budget.max_backups, 50U);
   EXPECT_EQ(job.limits.max_ll_actions, 9U);
+  EXPECT_EQ(job.config.models, "learned.yaml");
+  EXPECT_EQ(job.config.world_models, "models.yaml");
   ASSERT_EQ(job.trials.size(), 2U);
   EXPECT_THAT(job.trials[0].truths, ElementsAre("f = 1"));
 }
@@ -54,6 +57,7 @@ TEST(TrialJob, SharesWhatIsPreparedWhateverTheTrials)
   const std::string first = configuration(R"("trials": [{"seed": 1}])");
   EXPECT_EQ(first, configuration(R"("max_hl_actions": 3, "trials": [{"seed": 2}])"));
   EXPECT_NE(first, configuration(R"("method": "pa_star", "trials": [{"seed": 1}])"));
+  EXPECT_NE(first, configuration(R"("world_models": "w.yaml", "trials": [{"seed": 1}])"));
 }
 
 TEST(TrialJob, NamesWhatIsWrong)
@@ -71,6 +75,7 @@ TEST(TrialJob, NamesWhatIsWrong)
   EXPECT_THAT(problemOf(with(R"("colour": 1)")), HasSubstr("unknown key 'colour'"));
   EXPECT_THAT(problemOf(with(R"("method": "magic")")), HasSubstr("pa_star"));
   EXPECT_THAT(problemOf(with(R"("goal": 7)")), HasSubstr("'goal': found 7"));
+  EXPECT_THAT(problemOf(with(R"("world_models": 7)")), HasSubstr("'world_models': found 7"));
 }
 
 }  // namespace

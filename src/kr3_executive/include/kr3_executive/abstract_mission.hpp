@@ -33,7 +33,12 @@ struct AbstractMissionConfig
   std::size_t components_per_whole = 4;
   double pitch_m = 2.0;
   std::string bindings = "bindings.yaml";  ///< file in the domain's directory
-  bool require_learned = false;            ///< refuse numbers that were not learned from trials
+  /// The numbers that the robot plans with and believes by; file in the domain's directory.
+  std::string models = "models.yaml";
+  /// The chances and durations of the simulated world, where they are others than the robot
+  /// believes; file in the domain's directory, of the same form. Empty: `models`.
+  std::string world_models;
+  bool require_learned = false;  ///< refuse numbers that were not learned from trials
   /// Shared with missions of other threads; null: policies are cached by these missions alone.
   std::shared_ptr<PolicyCache> policies;
 };
@@ -80,8 +85,8 @@ using ExecutorOf = std::function<std::unique_ptr<LowLevelExecutor>(
 class AbstractMissions
 {
 public:
-  /// @param directory  of the domain: domain.kr3, refinement.kr3, models.yaml, bindings.yaml, and,
-  ///                   where they exist, scenario.yaml and map.yaml
+  /// @param directory  of the domain: domain.kr3, refinement.kr3, the files that `config` names,
+  ///                   and, where they exist, scenario.yaml and map.yaml
   /// @throws Unavailable, InvalidArgument  a file is missing or wrong
   AbstractMissions(const std::string& directory, AbstractMissionConfig config);
 
@@ -91,7 +96,13 @@ public:
 
   [[nodiscard]] const Scenario& scenario() const { return shared_->scenario; }
   [[nodiscard]] const refinement::LowLevelDomain& domain() const { return *shared_->domain; }
+  /// What the robot believes of its actions and sensors.
   [[nodiscard]] const refinement::Models& models() const { return shared_->models; }
+  /// What is so in the world.
+  [[nodiscard]] const refinement::Models& worldModels() const
+  {
+    return shared_->world ? *shared_->world : shared_->models;
+  }
   [[nodiscard]] const Bindings& bindings() const { return shared_->bindings; }
 
   /// The first valued fluent that a goal mentions. @throws InvalidArgument  it mentions none
@@ -121,6 +132,7 @@ private:
   {
     std::unique_ptr<refinement::LowLevelDomain> domain;
     refinement::Models models;
+    std::optional<refinement::Models> world;  ///< none: `models`
     Bindings bindings;
     Scenario scenario;
     std::shared_ptr<ReasonerCache> answers = std::make_shared<ReasonerCache>();

@@ -80,7 +80,8 @@ class TargetRule:
 class Point:
     """One configuration and the trials that are wanted of it.
 
-    `label` holds the columns by which figures tell points apart; `job` the keys of kr3_trials besides the domain.
+    `label` holds the columns by which figures tell points apart; `job` the keys of kr3_trials besides the domain;
+    `files` further files of the domain, name -> text, such as the models that `job` names for robot or world.
     """
 
     label: Mapping[str, Scalar]
@@ -88,6 +89,7 @@ class Point:
     target: TargetRule
     job: Mapping[str, Scalar]
     seeds: Tuple[int, int]  # the first and the one after the last
+    files: Mapping[str, str] = field(default_factory=dict)
 
     def all_seeds(self) -> range:
         """In the order in which they are run."""
@@ -125,4 +127,4 @@ def configurations(points: Sequence[Point], folder: Path) -> List[Configuration]
         texts[point.floor] = {
             path.name: path.read_text(encoding="utf-8") for path in sorted(directory.iterdir())
         }
-    return [Configuration(point, texts[point.floor]) for point in points]
+    return [Configuration(point, {**texts[point.floor], **point.files}) for point in points]
