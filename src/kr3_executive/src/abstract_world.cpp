@@ -128,29 +128,41 @@ void AbstractWorld::reset(const FluentValues& coarse, const FluentValues& fine)
   throw InvalidArgument("no state with the given values was found that satisfies the constraints");
 }
 
-double AbstractWorld::durationOf(const LowLevelAction& action) const
+std::optional<double> AbstractWorld::metres(const LowLevelAction& action) const
 {
   const auto& model = models_.actions.at(action.symbol);
   const auto& cost = model.costOf(action.arguments);
-  double distance_m = 0.0;
-  if (cost.from && !cost.to.empty())
-  {
-    const auto argumentOf = [&](const std::string& name) {
-      const auto at = std::find(model.parameters.begin(), model.parameters.end(), name);
-      return at == model.parameters.end()
-                 ? name
-                 : action.arguments.at(static_cast<std::size_t>(at - model.parameters.begin()));
-    };
-    reasoner::Atom from = *cost.from;
-    for (auto& term : from.arguments)
-      term = {false, argumentOf(term.name)};
-    const auto start = state_.find(reasoner::toString(from));
-    const auto a = start == state_.end() ? std::nullopt : domain_.map().find(start->second);
-    const auto b = domain_.map().find(argumentOf(cost.to));
-    if (a && b)
-      distance_m = domain_.map().distance(*a, *b);
-  }
-  return cost.base_s + cost.per_metre_s * distance_m;
+  if (!cost.from || cost.to.empty())
+    return std::nullopt;
+  const auto argumentOf = [&](const std::string& name) {
+    const auto at = std::find(model.parameters.begin(), model.parameters.end(), name);
+    return at == model.parameters.end()
+               ? name
+               : action.arguments.at(static_cast<std::size_t>(at - model.parameters.begin()));
+  };
+  reasoner::Atom from = *cost.from;
+  for (auto& term : from.arguments)
+    term = {false, argumentOf(term.name)};
+  const auto start = state_.find(reasoner::toString(from));
+  const auto a = start == state_.end() ? std::nullopt : domain_.map().find(start->second);
+  const auto b = domain_.map().find(argumentOf(cost.to));
+  if (!a || !b)
+    return std::nullopt;
+  return domain_.map().distance(*a, *b);
+}
+
+double AbstractWorld::durationOf(const LowLevelAction& action) const
+{
+  const auto& cost = models_.actions.at(action.symbol).costOf(action.arguments);
+  return cost.base_s + cost.per_metre_s * metres(action).value_or(0.0);
+}
+
+bool AbstractWorld::possible(const LowLevelAction& action) const
+{
+  reasoner::Atom atom{action.symbol, {}, {}};
+  for (const auto& argument : action.arguments)
+    atom.arguments.push_back({false, argument});
+  return laws_.executable(state_, atom) && std::isfinite(durationOf(action));
 }
 
 bool AbstractWorld::affects(const LowLevelAction& action, const std::string& fluent) const
@@ -266,8 +278,8 @@ LowLevelResult AbstractWorld::execute(const LowLevelAction& action, const Distur
     atom.arguments.push_back({false, argument});
   LowLevelResult result;
   const auto& cost = models_.actions.at(action.symbol).costOf(action.arguments);
-  const bool possible = laws_.executable(state_, atom) && std::isfinite(durationOf(action));
-  if (!possible)
+  const bool is_possible = possible(action);
+  if (!is_possible)
   {
     result.outcome = "impossible";
     result.duration_s = cost.impossible_s;
@@ -302,7 +314,7 @@ LowLevelResult AbstractWorld::execute(const LowLevelAction& action, const Distur
     const auto& [fluent, asked] = laws[i];
     if (!disturbance.observation.empty())
       result.observation.push_back(disturbance.observation[i]);
-    else if (possible || affects(action, fluent))
+    else if (is_possible || affects(action, fluent))
       result.observation.push_back(observe(action, fluent, asked));
     else
       result.observation.push_back(senseNothing(action, fluent, asked));

@@ -60,6 +60,12 @@ public:
   /// @throws InvalidArgument  the disturbance does not fit the action
   LowLevelResult execute(const LowLevelAction& action, const Disturbance& disturbance);
 
+  /// Whether the action can be carried out in the present state.
+  [[nodiscard]] bool possible(const LowLevelAction& action) const;
+  /// Metres that the action would drive now; none where its cost does not depend on a distance, or
+  /// the map does not know it.
+  [[nodiscard]] std::optional<double> metres(const LowLevelAction& action) const;
+
   /// The truth, at the low and at the high level.
   [[nodiscard]] const FluentValues& fine() const { return state_; }
   [[nodiscard]] FluentValues coarse() const;

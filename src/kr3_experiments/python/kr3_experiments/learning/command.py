@@ -95,6 +95,18 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="X",
         help="simulated s per s (default: 2); what the machine cannot keep up with is learned as the robot's fault",
     )
+    parser.add_argument(
+        "--world",
+        choices=("robot", "abstract"),
+        default="robot",
+        help="where to try: on the robot of the simulator, or in the abstract world, in no time (default: robot)",
+    )
+    parser.add_argument(
+        "--world-models",
+        default="models.yaml",
+        metavar="FILE",
+        help="with --world abstract: its true numbers, file of the domain (default: models.yaml)",
+    )
     parser.add_argument("--port", type=int, help="port of the ROS master (default: a free one)")
 
 
@@ -109,6 +121,8 @@ def run(args: argparse.Namespace) -> int:
             f"--trials {wanted} --seed {args.seed}: expected trials > 0 and a seed from 0 to {2**31 - 1}"
         )
     sources = [name for name in ("bag", "labels", "attempts") if getattr(args, name) is not None]
+    if sources and args.world != "robot":
+        raise Kr3Error(f"--{sources[0]} and --world {args.world}: expected one of them")
     if len(sources) > 1:
         raise Kr3Error(f"--{sources[0]} and --{sources[1]}: expected one of them")
     if args.export_looks is not None and args.bag is None:
@@ -137,7 +151,22 @@ def run(args: argparse.Namespace) -> int:
             f"From {len(attempts)} attempts.",
             terminal,
         )
+    if args.world == "abstract":
+        return _in_abstract_world(args, lesson, wanted, terminal)
     return _drive(args, lesson, wanted, terminal)
+
+
+def _in_abstract_world(
+    args: argparse.Namespace, lesson: Lesson, wanted: int, terminal: Terminal
+) -> int:
+    from kr3_experiments.learning.abstract import attempts_in_abstract_world
+
+    run_dir = new_run_dir("learn") if args.run_dir is None else existing_run_dir(args.run_dir)
+    attempts = attempts_in_abstract_world(
+        lesson.folder, wanted, args.seed, run_dir / "attempts.jsonl", args.world_models
+    )
+    how = f"{len(attempts)} trials in the abstract world of {args.world_models}, seed {args.seed}."
+    return _write(args, lesson, attempts, run_dir, how, terminal)
 
 
 def _drive(args: argparse.Namespace, lesson: Lesson, wanted: int, terminal: Terminal) -> int:

@@ -64,9 +64,7 @@ def _learned_entry(entry: Mapping[str, Any], counts: Counts) -> Dict[str, Any]:
         result["observations"] = {
             fluent: (
                 sensor_of(counts.sensors[fluent])
-                if model != "exact"
-                and fluent in counts.sensors
-                and _both_seen(counts.sensors[fluent])
+                if model != "exact" and fluent in counts.sensors and usable(counts.sensors[fluent])
                 else model
             )
             for fluent, model in entry["observations"].items()
@@ -76,11 +74,13 @@ def _learned_entry(entry: Mapping[str, Any], counts: Counts) -> Dict[str, Any]:
     return result
 
 
-def _both_seen(sensor: Sensor) -> bool:
-    """Whether the sensor was tried where it is so and where it is not."""
+def usable(sensor: Sensor) -> bool:
+    """Whether the sensor was tried where it is so and where it is not, and says yes more often where it is."""
     yes = sensor.true_positive + sensor.false_negative
     no = sensor.false_positive + sensor.true_negative
-    return yes > 0 and (sensor.tells_value or no > 0)
+    if sensor.tells_value or yes == 0 or no == 0:
+        return yes > 0 and sensor.tells_value
+    return share(sensor.true_positive, yes).mean > share(sensor.false_positive, no).mean
 
 
 def outcomes_of(counts: Mapping[str, int]) -> Dict[str, Any]:
@@ -252,6 +252,8 @@ def table(counts: Mapping[str, Counts]) -> List[str]:
                 lines.append(
                     _row(f"{name}: {fluent}, yes where it is not", sensor.false_positive, negatives)
                 )
+            if positives > 0 and negatives > 0 and not usable(sensor):
+                lines.append(f"{name}: {fluent} says no more than chance: its numbers stay")
         durations = counted.durations
         if durations.carried_out:
             base, slope, deviation = durations.line(any(x > 0 for x, _ in durations.carried_out))
