@@ -10,14 +10,14 @@ import json
 import os
 import pathlib
 import platform
-import re
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 
-import yaml
+import robot_perception
+import whole_loop
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 FLOORS = ("floor_a", "floor_b")
@@ -54,7 +54,7 @@ class Bench:
 
     def __init__(self, programs: pathlib.Path, quick: bool, seed: int, work: pathlib.Path) -> None:
         self._programs = programs
-        self._work = work
+        self.work = work
         self.quick = quick
         self.seed = seed
         self.rows: list[Row] = []
@@ -71,9 +71,21 @@ class Bench:
             raise BenchmarkError(f"{path} is missing: build the workspace first")
         return str(path)
 
+    def run(self, command: list[str], timeout_s: float | None = None) -> str:
+        """Run a program to its end. @return its output. @throws BenchmarkError  it failed or took too long"""
+        try:
+            done = subprocess.run(
+                command, capture_output=True, text=True, check=False, timeout=timeout_s
+            )
+        except subprocess.TimeoutExpired as error:
+            raise BenchmarkError(f"{' '.join(command)} took over {timeout_s:g} s") from error
+        if done.returncode != 0:
+            raise BenchmarkError(f"{' '.join(command)} failed:\n{done.stdout}{done.stderr}")
+        return done.stdout
+
     def figures(self, package: str, name: str, *arguments: str, may_fail: bool = False) -> dict:
         """What a program writes with --json. @throws BenchmarkError  it failed"""
-        file = self._work / f"{name}.json"
+        file = self.work / f"{name}.json"
         file.unlink(missing_ok=True)
         command = [self.program(package, name), *arguments, "--json", str(file)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -187,7 +199,7 @@ class Bench:
         """Maps that the robot builds, with known and with its own poses, against the world's own."""
         floor = FLOORS[0]
         folder = ROOT / "domains" / floor
-        truth = self._work / "truth.bt"
+        truth = self.work / "truth.bt"
         low, high = (str(height) for height in LASER_LAYER)
         world = [
             self.program("kr3_sim_ode", "world_octomap"),
@@ -207,7 +219,7 @@ class Bench:
         for poses, flags in (("known poses", ()), ("own poses", ("--own-poses",))):
             if self.quick and flags:
                 continue
-            built = self._work / "built.bt"
+            built = self.work / "built.bt"
             report = self.trials("map", floor, built, *flags)
             if flags:
                 self.add(
@@ -259,83 +271,6 @@ class Bench:
             more = {key: entry[key] for key in ("goal", "better", "params", "runs") if key in entry}
             self.add(f"simulator: {entry['name']}", entry["value"], entry["unit"], **more)
 
-    def perception(self) -> None:
-        """evaluate_detector on pictures rendered in the office, seeds that training has not seen."""
-        folder = ROOT / "domains" / "office"
-        pictures = self._work / "pictures"
-        render = [
-            self.program("kr3_sim_ode", "render_dataset"),
-            str(folder / "building.yaml"),
-            str(folder / "objects.yaml"),
-            str(pictures),
-            "-n",
-            "20" if self.quick else "150",
-            "-s",
-            str(9000 + self.seed),
-        ]
-        done = subprocess.run(render, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise BenchmarkError(f"render_dataset failed:\n{done.stderr}")
-        answer = self.figures(
-            "kr3_perception", "evaluate_detector", str(folder / "perception.yml.gz"), str(pictures)
-        )
-        # Either one set of figures, or a list of them.
-        for result in answer.get("sets", [answer]):
-            total = result.get("all", {})
-            if "precision" in total:
-                self.add(
-                    "detection precision", total["precision"], "share", goal=0.97, better="higher"
-                )
-                self.add("detection recall", total["recall"], "share", goal=0.95, better="higher")
-            if "brier" in result:
-                self.add("detection Brier score", result["brier"], "", goal=0.03)
-            if "cpu_ms" in result:
-                self.add("detection 640x480", result["cpu_ms"]["median"], "ms", goal=30.0)
-
-    def loop(self) -> None:
-        """Simulator and navigation as ROS nodes, without and with camera and detector."""
-        self._loop("whole loop without camera, ROS (wall)", 20.0, detector=False)
-        self._loop("whole loop, camera 320x240 10 Hz, detection (wall)", 5.0, detector=True)
-
-    def _loop(self, name: str, goal: float, detector: bool) -> None:
-        # Only here: the other rows need no ROS.
-        from kr3_experiments.bringup import package_config
-        from kr3_experiments.master import free_port
-        from kr3_experiments.stack import Stack
-        from kr3_experiments.stack_file import load_stack
-
-        folder = ROOT / "domains" / "office"
-        building = yaml.safe_load((folder / "building.yaml").read_text(encoding="utf-8"))
-        variables = {
-            "domain_dir": str(folder),
-            "run_dir": str(self._work),
-            "seed": self.seed,
-            "placements": [],
-            "robot_start": building["robot"]["start"],
-            "real_time_factor": 0.0,
-            "method": "",
-            "scenario": "",
-        }
-        specs = load_stack(package_config("loop_stack.yaml"), variables)
-        if detector:
-            whole = load_stack(package_config("stack.yaml"), variables)
-            specs += [spec for spec in whole if spec.package == "kr3_perception"]
-        with Stack(self._work, lambda _line: None) as stack:
-            stack.start_master(free_port())
-            stack.start_nodes(specs)
-            check = ["rosrun", "kr3_navigation", "drive_check"]
-            if self.quick:
-                check += ["--first", "6"]
-            drives = stack.start_unwatched("drive_check", check)
-            if not stack.spin_until(lambda: drives.exit_code() is not None, 600.0):
-                raise BenchmarkError("the drives were not done within 600 s")
-            text = drives.log_tail(60)
-        found = re.search(r"(\d+) of (\d+) reached.*factor ([0-9.]+)", text)
-        if not found:
-            raise BenchmarkError(f"drive_check said:\n{text}")
-        params = {"drives": int(found[2]), "reached": int(found[1])}
-        self.add(name, float(found[3]), "x", goal=goal, better="higher", params=params)
-
 
 PARTS: dict[str, Callable[[Bench], None]] = {
     "costs": Bench.costs,
@@ -343,8 +278,8 @@ PARTS: dict[str, Callable[[Bench], None]] = {
     "doors": Bench.shut_doors,
     "maps": Bench.maps,
     "simulator": Bench.simulator,
-    "perception": Bench.perception,
-    "loop": Bench.loop,
+    "perception": robot_perception.measure,
+    "loop": whole_loop.measure,
 }
 
 

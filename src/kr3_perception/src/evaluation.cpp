@@ -66,16 +66,23 @@ void Evaluation::add(const std::vector<Detection>& detections, const std::vector
     if (detection.probability < threshold_)
       continue;
     if (!right)
+    {
       ++classes_[detection.class_name].wrong;
+      ++objects_[detection.name].wrong;
+    }
     else if (labels[label].pixels >= min_pixels_)
     {
       ++classes_[detection.class_name].right;
+      ++objects_[detection.name].right;
       told.insert(label);
     }
   }
   for (std::size_t i = 0; i < labels.size(); ++i)
     if (labels[i].pixels >= min_pixels_ && told.count(i) == 0 && class_of.count(labels[i].name) > 0)
+    {
       ++classes_[class_of.at(labels[i].name)].missed;
+      ++objects_[labels[i].name].missed;
+    }
 }
 
 ClassScore Evaluation::total() const

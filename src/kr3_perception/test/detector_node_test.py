@@ -63,7 +63,12 @@ def wait_until(condition) -> bool:
 
 class DetectorNodeTest(unittest.TestCase):
     def setUp(self):
-        rospy.set_param("/detector_node", {"model": str(OFFICE / "perception.yml.gz")})
+        self.start({})
+
+    def start(self, parameters):
+        """The node and what it listens to."""
+        model = str(OFFICE / "perception.yml.gz")
+        rospy.set_param("/detector_node", {"model": model, **parameters})
         self.node = subprocess.Popen(["rosrun", "kr3_perception", "detector_node"])
         self.images = rospy.Publisher("camera/image_raw", Image, queue_size=1)
         self.infos = rospy.Publisher("camera/camera_info", CameraInfo, queue_size=1, latch=True)
@@ -157,11 +162,28 @@ class DetectorNodeTest(unittest.TestCase):
         self.assertEqual((pictures[0].height, pictures[0].width), (480, 640))
         self.assertNotEqual(pictures[0].data, pixels.tobytes())
 
+    def test_looks_at_one_image_of_each_period(self):
+        self.tearDown()
+        self.start({"max_rate": 5.0})
+        self.listen()
+        pixels = picture_of("tb1.png")
+        for stamp in (10.05, 10.1, 10.25, 10.3, 10.45, 9.05):  # the last one: time went back
+            self.images.publish(image_message(pixels, stamp))
+            if stamp not in (10.1, 10.3):
+                expected = rospy.Time.from_sec(stamp)
+                self.assertTrue(
+                    wait_until(lambda: any(m.header.stamp == expected for m in self.received)),
+                    f"no detections at {stamp}",
+                )
+        seen = [round(message.header.stamp.to_sec(), 3) for message in self.received]
+        self.assertEqual(seen, [10.05, 10.25, 10.45, 9.05])
+
     def test_refuses_bad_parameters(self):
         for params, word in (
             ({"model": "/nowhere.yml.gz"}, "/nowhere.yml.gz"),
             ({"model": str(OFFICE / "objects.yaml")}, "objects.yaml"),
             ({"model": str(OFFICE / "perception.yml.gz"), "min_probabilty": 0.5}, "min_probabilty"),
+            ({"model": str(OFFICE / "perception.yml.gz"), "max_rate": -1.0}, "max_rate"),
             ({}, "model"),
         ):
             rospy.set_param("/other_detector", params)

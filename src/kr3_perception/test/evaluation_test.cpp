@@ -29,6 +29,9 @@ TEST(Evaluation, CountsRightWrongAndMissed)
   EXPECT_EQ(evaluation.classes().at("x").right, 1);
   EXPECT_EQ(evaluation.classes().at("y").wrong, 1);
   EXPECT_EQ(evaluation.classes().at("y").missed, 1);
+  EXPECT_EQ(evaluation.objects().at("a").right, 1);
+  EXPECT_EQ(evaluation.objects().at("b").wrong, 1);
+  EXPECT_EQ(evaluation.objects().at("b").missed, 1);
   EXPECT_DOUBLE_EQ(evaluation.total().precision(), 0.5);
   EXPECT_DOUBLE_EQ(evaluation.total().recall(), 0.5);
   EXPECT_NEAR(evaluation.brier(), (0.1 * 0.1 + 0.8 * 0.8) / 2.0, 1e-12);

@@ -46,6 +46,8 @@ public:
            const std::map<std::string, std::string>& class_of);
 
   [[nodiscard]] const std::map<std::string, ClassScore>& classes() const { return classes_; }
+  /// The same by the names of objects.
+  [[nodiscard]] const std::map<std::string, ClassScore>& objects() const { return objects_; }
   [[nodiscard]] ClassScore total() const;
   [[nodiscard]] const std::vector<ReliabilityBin>& reliability() const { return bins_; }
   /// Mean squared difference between probability and truth over all detections; 0 when there are
@@ -57,6 +59,7 @@ private:
   int min_pixels_;
   double match_overlap_;
   std::map<std::string, ClassScore> classes_;
+  std::map<std::string, ClassScore> objects_;
   std::vector<ReliabilityBin> bins_;
   double squared_error_ = 0.0;
   int detections_ = 0;

@@ -18,6 +18,7 @@ namespace
 {
 
 constexpr double kDiagnosticsPeriod_s = 1.0;
+constexpr double kMaxRate_Hz = 1000.0;
 
 }  // namespace
 
@@ -35,12 +36,17 @@ DetectorNodeConfig loadDetectorNodeConfig(const ros::NodeHandle& private_nh)
   params.check(config.detector.max_features > 0, "max_features", "must be > 0");
   params.check(config.detector.search_checks > 0, "search_checks", "must be > 0");
   params.check(config.detector.max_instances >= 0, "max_instances", "must be >= 0");
+  config.max_rate = params.get("max_rate", config.max_rate);
+  params.check(config.max_rate >= 0.0 && config.max_rate <= kMaxRate_Hz, "max_rate",
+               "must be in [0, 1000]");
   params.finish();
   return config;
 }
 
 DetectorNode::DetectorNode(const ros::NodeHandle& nh, const DetectorNodeConfig& config)
-  : nh_(nh), detector_(loadModel(config.model), config.detector)
+  : nh_(nh)
+  , detector_(loadModel(config.model), config.detector)
+  , period_ns_(config.max_rate > 0.0 ? static_cast<std::uint64_t>(1e9 / config.max_rate) : 0)
 {
   diagnostics_.setHardwareID("none");
   diagnostics_.add("detector", [this](diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -95,8 +101,23 @@ void DetectorNode::onCameraInfo(const sensor_msgs::CameraInfoConstPtr& info)
   process(*image);
 }
 
+/// Whether an image is the first of its period. Periods are counted from time 0, so that the rate
+/// does not drift and the images of a camera whose own rate is a multiple are always the same ones.
+bool DetectorNode::isDue(const ros::Time& stamp)
+{
+  if (period_ns_ == 0)
+    return true;
+  const std::uint64_t slot = stamp.toNSec() / period_ns_;
+  if (last_slot_ == slot)
+    return false;
+  last_slot_ = slot;
+  return true;
+}
+
 void DetectorNode::onImage(const sensor_msgs::ImageConstPtr& image)
 {
+  if (!isDue(image->header.stamp))
+    return;
   // The calibration travels on a topic of its own and may be a little later than the first image.
   if (!camera_ && !waiting_ && num_images_ == 0)
   {

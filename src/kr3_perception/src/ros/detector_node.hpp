@@ -19,6 +19,7 @@ struct DetectorNodeConfig
 {
   std::string model;  ///< path of the model file
   DetectorOptions detector;
+  double max_rate = 0.0;  ///< images a second, by their stamps; 0: every one
 };
 
 /// @throws InvalidArgument  listing every bad parameter
@@ -34,12 +35,15 @@ private:
   void onListenersChanged();
   void onImage(const sensor_msgs::ImageConstPtr& image);
   void onCameraInfo(const sensor_msgs::CameraInfoConstPtr& info);
+  [[nodiscard]] bool isDue(const ros::Time& stamp);
   void process(const sensor_msgs::Image& image);
   void reportBadImage(const std::string& why);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   ros::NodeHandle nh_;
   Detector detector_;
+  std::uint64_t period_ns_;                 ///< of images that are looked at; 0: every one
+  std::optional<std::uint64_t> last_slot_;  ///< the period that the last such image fell in
   std::optional<Intrinsics> camera_;
   sensor_msgs::ImageConstPtr waiting_;  ///< the first image, until the camera's calibration arrives
 

@@ -33,6 +33,7 @@ struct Options
   std::string draw;
   std::string diagram;
   std::string json;
+  bool by_object = false;
   double threshold = 0.5;
   int min_pixels = 250;
   double match_overlap = 0.4;
@@ -95,11 +96,14 @@ void printScore(const std::string& name, const ClassScore& score)
               score.missed);
 }
 
-void print(const Result& result)
+void print(const Result& result, bool by_object)
 {
   std::printf("%s: %zu images\n", result.name.c_str(), result.cpu_ms.size());
   for (const auto& [name, score] : result.evaluation.classes())
     printScore(name, score);
+  if (by_object)
+    for (const auto& [name, score] : result.evaluation.objects())
+      printScore("- " + name, score);
   printScore("all", result.evaluation.total());
   std::printf("  Brier score %.4f\n  said -> right:", result.evaluation.brier());
   for (const ReliabilityBin& bin : result.evaluation.reliability())
@@ -121,9 +125,12 @@ nlohmann::json toJson(const ClassScore& score)
 
 nlohmann::json toJson(const Result& result)
 {
-  nlohmann::json classes = nlohmann::json::object();
-  for (const auto& [name, score] : result.evaluation.classes())
-    classes[name] = toJson(score);
+  const auto to_json = [](const std::map<std::string, ClassScore>& scores) {
+    nlohmann::json all = nlohmann::json::object();
+    for (const auto& [name, score] : scores)
+      all[name] = toJson(score);
+    return all;
+  };
   nlohmann::json reliability = nlohmann::json::array();
   for (const ReliabilityBin& bin : result.evaluation.reliability())
     reliability.push_back(
@@ -133,7 +140,8 @@ nlohmann::json toJson(const Result& result)
   return {{"set", result.name},
           {"images", result.cpu_ms.size()},
           {"all", toJson(result.evaluation.total())},
-          {"classes", classes},
+          {"classes", to_json(result.evaluation.classes())},
+          {"objects", to_json(result.evaluation.objects())},
           {"brier", result.evaluation.brier()},
           {"reliability", reliability},
           {"cpu_ms", {{"median", result.quantile(0.5)}, {"p95", result.quantile(0.95)}}}};
@@ -150,7 +158,7 @@ void run(const Options& options)
   for (const std::string& path : options.folders)
   {
     const Result result = evaluate(options, detector, path);
-    print(result);
+    print(result, options.by_object);
     sets.push_back(toJson(result));
     if (!options.diagram.empty())
       write(options.diagram + "/reliability_" + result.name + ".png",
@@ -192,6 +200,7 @@ int main(int argc, char** argv)
   app.add_option("--instances", options.detector.max_instances,
                  "of one object an image; 0: as many as training showed")
       ->capture_default_str();
+  app.add_flag("--by-object", options.by_object, "also print each object's figures");
   app.add_option("--draw", options.draw, "folder for pictures with detections");
   app.add_option("--diagrams", options.diagram, "folder for reliability diagrams");
   app.add_option("--json", options.json, "file for all figures");
