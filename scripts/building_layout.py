@@ -269,12 +269,13 @@ def is_liveable(plan, place, furniture, others):
         way = [(x + k * inwards[0], y + k * inwards[1]) for k in (-1.0, -0.5, 0.0, 0.5, 1.0)]
         if any(f.distance(*point) < ROBOT_M for f in furniture + others for point in way):
             return False
-        if not near(*way[-1], RASTER_M):
+        if not near(way[-1][0], way[-1][1], RASTER_M):
             return False
     for piece in furniture:
         for k in range(5):
             along = (k / 4 - 0.5) * (piece.size[1] - 0.2)
-            if not near(*piece.before_front(0.0, along), 0.6):
+            x, y = piece.before_front(0.0, along)
+            if not near(x, y, 0.6):
                 return False
     for quarter in range(4):
         left, low = quarter % 2 * (x1 - x0) / 2 + x0, quarter // 2 * (y1 - y0) / 2 + y0

@@ -17,6 +17,7 @@ import math
 import os
 import pathlib
 import random
+from typing import Dict, List
 
 import building_layout as layout
 
@@ -47,7 +48,7 @@ def room_names(count):
         ESSENTIAL[i] if i < len(ESSENTIAL) else FURTHER[(i - len(ESSENTIAL)) % len(FURTHER)]
         for i in range(count)
     ]
-    seen = {}
+    seen: Dict[str, int] = {}
     names = []
     for kind in kinds:
         seen[kind] = seen.get(kind, 0) + 1
@@ -74,6 +75,7 @@ def office_artist():
     spec = importlib.util.spec_from_file_location(
         "make_textures", OFFICE / "textures" / "make_textures.py"
     )
+    assert spec is not None and spec.loader is not None, "a path that ends with .py has a loader"
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -249,7 +251,7 @@ def usual_chain(plan, class_name, length):
 
 def domain_text(office, plan, objects):
     """domain.kr3: the office's laws on this building's places and objects."""
-    by_class = {}
+    by_class: Dict[str, List[str]] = {}
     for name, class_name in objects:
         by_class.setdefault(class_name, []).append(name)
     classes = "".join(f"  {c} = {{{', '.join(names)}}}.\n" for c, names in by_class.items())

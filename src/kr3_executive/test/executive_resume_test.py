@@ -17,6 +17,7 @@ import time
 import unittest
 
 import actionlib
+import rosnode
 import rospy
 import rostest
 from executive_node_test import GOAL, ScriptedRobot, start_node, stop_node
@@ -91,6 +92,21 @@ class ExecutiveResumeTest(unittest.TestCase):
     def saved(self):
         with open(self.state_file, encoding="utf-8") as file:
             return json.load(file)
+
+    def test_0_a_node_without_time_obeys_sigint(self):
+        rospy.set_param("use_sim_time", True)  # and nobody publishes /clock
+        try:
+            self.node = start_node()
+            waiting = threading.Thread(target=self._drain, args=(self.node,), daemon=True)
+            waiting.start()
+            self.wait_for(
+                lambda: rosnode.get_node_names("/executive_node"), "the node did not start"
+            )
+            time.sleep(1.0)
+            os.killpg(self.node.pid, signal.SIGINT)
+            self.assertEqual(0, self.node.wait(timeout=5))
+        finally:
+            rospy.delete_param("use_sim_time")
 
     def test_1_killed_at_any_moment_the_mission_ends_the_same(self):
         moments = random.Random(SEED)

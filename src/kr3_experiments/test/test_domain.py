@@ -47,6 +47,17 @@ def test_an_unknown_domain_is_refused_with_the_known_ones():
         load_domain("moon", ROOT)
 
 
+def test_a_domain_may_lie_outside_the_repository(copied):
+    found = load_domain(str(copied / "domains" / "copy"), ROOT)
+    assert found.name == "copy"
+    assert found.map_file == copied / "domains" / "copy" / "map.bt"
+
+
+def test_an_unknown_folder_is_refused():
+    with pytest.raises(Kr3Error, match="there is no folder './moon'"):
+        load_domain("./moon", ROOT)
+
+
 def test_a_missing_map_says_how_to_build_it(copied):
     (copied / "domains" / "copy" / "map.bt").unlink(missing_ok=True)
     with pytest.raises(Kr3Error, match="there is no map .*map.bt: build it with ./kr3 map copy"):

@@ -1,5 +1,6 @@
 """What experiments make of rows whose truth is known."""
 import json
+import subprocess
 from pathlib import Path
 from typing import Any, Dict, List
 
@@ -8,7 +9,7 @@ import pytest
 from kr3_experiments.cli import main
 from kr3_experiments.domain import load_domain, repository_root
 from kr3_experiments.errors import Kr3Error
-from kr3_experiments.experiment import bench, command
+from kr3_experiments.experiment import bench, command, robot
 from kr3_experiments.experiment.accuracy import Accuracy
 from kr3_experiments.experiment.defaults import Defaults
 from kr3_experiments.experiment.definition import Options, Table, plot, save_figures
@@ -167,3 +168,41 @@ def test_the_goal_says_which_fluent_an_oracle_is_told() -> None:
     for folder in sorted((repository_root() / "domains").glob("*/building.yaml")):
         domain = load_domain(folder.parent.name, repository_root())
         assert domain.target.object in domain.target_fluent()
+
+
+def test_objects_of_missions_obey_as_often_as_they_should_whatever_the_method() -> None:
+    setting, other = Robot().settings()[:2]
+    seeds = range(2000)
+    places = [setting.target_at(seed) for seed in seeds]
+    assert places == [other.target_at(seed) for seed in seeds]
+    usual, *others = setting.domain.target.may_be_at
+    assert places.count(usual) / len(places) == pytest.approx(0.8, abs=0.03)
+    for place in others:
+        assert places.count(place) / len(places) == pytest.approx(0.2 / len(others), abs=0.03)
+
+
+@pytest.mark.parametrize("ends", [True, False])
+def test_what_a_lost_mission_left_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ends: bool
+) -> None:
+    """The mission is played: what counts is what becomes of its results."""
+
+    def mission(command: List[str], stdout: Any, **_: Any) -> Any:
+        stdout.write("kr3: the robot stands\n")
+        stdout.flush()
+        if ends:
+            summary = {"success": False, "declared": True, "reason": "elsewhere"}
+            figures = {"high_level_actions": 4, "low_level_actions": 9, "robot_contacts": 0}
+            folder = Path(command[command.index("--run-dir") + 1])
+            summary.update(figures, mission_simulated_s=71.5)
+            (folder / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
+        return subprocess.CompletedProcess(command, 1)
+
+    setting = Robot().settings()[0]
+    monkeypatch.setattr(subprocess, "run", mission)
+    row = robot._mission(setting, 7, "commit", tmp_path)
+    assert not row["success"]
+    assert row["reason"] == ("elsewhere" if ends else f"{robot._NO_MISSION}: kr3: the robot stands")
+    assert row["duration_s"] == (71.5 if ends else robot._MISSION_LIMIT_S)
+    kept = tmp_path / f"{setting.domain.name}_{setting.method}_7" / "output.txt"
+    assert kept.read_text(encoding="utf-8") == "kr3: the robot stands\n"

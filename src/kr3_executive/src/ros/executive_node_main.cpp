@@ -14,6 +14,21 @@ namespace
 
 std::atomic<bool> stop{false};
 
+/// Waits until there is time, which is the simulator's: action clients wait for it too, but cannot
+/// be interrupted.
+void waitForTime(double deadline_s)
+{
+  const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(deadline_s);
+  while (!ros::Time::isValid())
+  {
+    if (stop || !ros::ok())
+      throw kr3::Cancelled("stopped while waiting for /clock");
+    if (ros::WallTime::now() > deadline)
+      throw kr3::Unavailable("use_sim_time is set and nothing came on /clock in time");
+    ros::WallDuration(0.02).sleep();
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv)
@@ -30,8 +45,9 @@ int main(int argc, char** argv)
     ros::AsyncSpinner spinner(2);  // a service of ours may wait for one of the reasoner
     spinner.start();
     {
-      const kr3::executive::ExecutiveNode node(
-          ros::NodeHandle(), private_nh, kr3::executive::loadExecutiveNodeConfig(private_nh), stop);
+      const auto config = kr3::executive::loadExecutiveNodeConfig(private_nh);
+      waitForTime(config.peer_deadline_s);
+      const kr3::executive::ExecutiveNode node(ros::NodeHandle(), private_nh, config, stop);
       while (ros::ok() && !stop)
         ros::WallDuration(0.05).sleep();
     }

@@ -35,7 +35,9 @@ class World:
 def add_world_options(parser: argparse.ArgumentParser) -> None:
     """The options that `world_from` reads."""
     parser.add_argument(
-        "--domain", default="office", help="folder below domains/ (default: office)"
+        "--domain",
+        default="office",
+        help="folder below domains/ (default: office), or the path of another",
     )
     parser.add_argument(
         "--seed", type=int, default=1, help="seed of the simulated world and its noise (default: 1)"

@@ -49,11 +49,20 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="wall time for the mission, s (default: 600)",
     )
+    parser.add_argument(
+        "--mission-limit",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="simulated time for the mission, s: then it fails (default: none)",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
     """@return 0 only if the object is where the goal wants it, in the simulator's ground truth"""
     terminal = Terminal()
+    if args.mission_limit < 0.0:
+        raise Kr3Error(f"--mission-limit {args.mission_limit}: expected a number >= 0")
     world = world_from(args)
     world.domain.require_map()
     if args.stack is None:  # another stack may do without a detector
@@ -86,7 +95,7 @@ def run(args: argparse.Namespace) -> int:
             terminal.heading(f"Mission (stack started in {start_s:.1f} s)")
             complete = False
             try:
-                mission = run_mission(stack, goal, args.time_limit, observers)
+                mission = run_mission(stack, goal, args.time_limit, observers, args.mission_limit)
                 complete = True
             finally:
                 _close_bag(recorder, complete, terminal)
@@ -112,11 +121,21 @@ class Mission:
         self.simulated_s = simulated_s
 
 
-def run_mission(stack: Stack, goal: str, wall_limit_s: float, observers: Observers) -> Mission:
-    """Send the goal and wait for its result and last event. @throws StackError  no result, or not in time"""
+def run_mission(
+    stack: Stack,
+    goal: str,
+    wall_limit_s: float,
+    observers: Observers,
+    simulated_limit_s: float = 0.0,
+) -> Mission:
+    """Send the goal and wait for its result and last event.
+
+    @param simulated_limit_s  after which the executive ends the mission; 0: none
+    @throws StackError  no result, or not in `wall_limit_s`
+    """
     wall = time.monotonic()
     simulated = rospy.get_time()
-    result = achieve(stack, goal, wall_limit_s)
+    result = achieve(stack, goal, wall_limit_s, simulated_limit_s)
     stack.spin_until(observers.follower.has_ended, 3.0)
     return Mission(result, time.monotonic() - wall, rospy.get_time() - simulated)
 

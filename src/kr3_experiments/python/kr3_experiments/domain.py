@@ -109,8 +109,11 @@ class Domain:
 
 
 def load_domain(name: str, root: Path) -> Domain:
-    """Read `domains/NAME`. @throws Kr3Error  a file or a key is missing or wrong"""
-    folder = root / "domains" / name
+    """Read `domains/NAME`, or the folder of this path. @throws Kr3Error  a file or a key is missing or wrong"""
+    is_path = "/" in name
+    folder = Path(name).resolve() if is_path else root / "domains" / name
+    if is_path and not folder.is_dir():
+        raise Kr3Error(f"there is no folder '{name}'")
     if not folder.is_dir():
         known = sorted(entry.name for entry in (root / "domains").glob("*") if entry.is_dir())
         raise Kr3Error(f"there is no domain '{name}'; there are {', '.join(known) or 'none'}")
@@ -123,7 +126,7 @@ def load_domain(name: str, root: Path) -> Domain:
     try:
         target = scenario["target"]
         domain = Domain(
-            name=name,
+            name=folder.name,
             folder=folder,
             goal=scenario["goal"],
             robot_start=robot_start,
