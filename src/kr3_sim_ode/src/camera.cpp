@@ -7,11 +7,13 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <osg/CullFace>
 #include <osg/Geode>
 #include <osg/Group>
 #include <osg/Light>
 #include <osg/LightSource>
 #include <osg/Material>
+#include <osgUtil/RenderBin>
 #include <osgViewer/Viewer>
 
 #include <kr3_common/error.hpp>
@@ -28,6 +30,7 @@ namespace
 {
 constexpr double kNear = 0.05;  // m
 constexpr double kFar = 50.0;   // m
+const char* const kNearFirst = "kr3_near_first";
 
 // Texture samples: large surfaces cost, objects are what is looked for.
 constexpr float kRoomAnisotropy = 1.0F;
@@ -96,6 +99,12 @@ public:
     white->setAmbient(osg::Material::FRONT_AND_BACK, {1, 1, 1, 1});
     white->setDiffuse(osg::Material::FRONT_AND_BACK, {1, 1, 1, 1});
     state.setAttributeAndModes(white);
+    // What is near is drawn first, so that what it hides is not shaded; nothing is seen from
+    // within.
+    osgUtil::RenderBin::addRenderBinPrototype(
+        kNearFirst, new osgUtil::RenderBin(osgUtil::RenderBin::SORT_FRONT_TO_BACK));
+    state.setRenderBinDetails(0, kNearFirst);
+    state.setAttributeAndModes(new osg::CullFace(osg::CullFace::BACK));
 
     addBuilding();
     setLight(0);
