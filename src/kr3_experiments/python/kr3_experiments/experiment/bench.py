@@ -12,6 +12,7 @@ from kr3_experiments.domain import repository_root
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.experiment.command import experiment_named, stored_rows
 from kr3_experiments.experiment.definition import Options, false_declarations, select, success_of
+from kr3_experiments.experiment.learning import Groups
 from kr3_experiments.experiment.robot import times_of_pairs
 from kr3_experiments.experiment.rows import Row
 from kr3_experiments.experiment.sweep import commit
@@ -143,8 +144,28 @@ def _robot(rows: Sequence[Row]) -> List[Figure]:
     return figures
 
 
+def _learning(rows: Sequence[Row]) -> List[Figure]:
+    """Model error, stated intervals that hold the truth, and actions lost, at each number of samples."""
+    groups = Groups(rows)
+    figures = []
+    for n in groups.samples:
+        params = {"samples": n, "trainings": len(groups.trainings(n))}
+        for column, text in (("error_t", "T, total variation"), ("error_o", "O, total variation")):
+            figures.append(Figure(text, groups.error(n, column).value, "", None, "lower", params))
+        covered = groups.coverage(n).value
+        figures.append(Figure("intervals holding the truth", covered, "", None, "higher", params))
+        loss = groups.loss(n, "ll_actions")
+        if loss is not None:
+            interval = {**params, "interval": [loss.low, loss.high]}
+            figures.append(
+                Figure("more LL actions than true models", loss.value, "", None, "lower", interval)
+            )
+    return figures
+
+
 _FIGURES: Dict[str, Callable[[Sequence[Row]], List[Figure]]] = {
     "accuracy": _accuracy,
     "defaults": _defaults,
     "robot": _robot,
+    "learning": _learning,
 }

@@ -12,6 +12,7 @@ from kr3_experiments.experiment.cluster import DaskExecutor
 from kr3_experiments.experiment.default_bias import DefaultBias
 from kr3_experiments.experiment.defaults import Defaults
 from kr3_experiments.experiment.definition import Experiment, Findings, Options
+from kr3_experiments.experiment.learning import Learning
 from kr3_experiments.experiment.planning_time import PlanningTime
 from kr3_experiments.experiment.points import Configuration, configurations
 from kr3_experiments.experiment.report import head, section, write_report
@@ -20,7 +21,7 @@ from kr3_experiments.experiment.rows import Row, RowStore
 from kr3_experiments.experiment.sweep import Executor, LocalExecutor, Work, commit, run_sweep
 from kr3_experiments.experiment.worker import trials_program
 
-_TRIALS: Sequence[Experiment] = (Accuracy(), Defaults(), DefaultBias())
+_TRIALS: Sequence[Experiment] = (Accuracy(), Defaults(), DefaultBias(), Learning())
 # The last two have processes of their own, and no trials of kr3_trials.
 AnyExperiment = Union[Experiment, PlanningTime, Robot]
 _ALL: Sequence[AnyExperiment] = (*_TRIALS, PlanningTime(), Robot())
