@@ -19,6 +19,11 @@ namespace
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
+constexpr double kMaxCoordinate = 3e4;  // px: the area of a box with such sides fits into an int
+constexpr long long kMaxPixels = 100'000'000;  // of an image
+constexpr long long kMaxId =
+    1LL << 53;  // whole numbers up to here are exact also as floating point
+
 /// Where in a file the reader is; makes its messages.
 class Place
 {
@@ -65,6 +70,22 @@ T valueOf(const Json& json, const std::string& key, const char* expected, const 
   }
 }
 
+/// A whole number in [low, high]: one with a fraction or out of range is refused, not cut.
+long long wholeOf(const Json& json, const std::string& key, long long low, long long high,
+                  const Place& place)
+{
+  const std::string expected =
+      "a whole number from " + std::to_string(low) + " to " + std::to_string(high);
+  (void)valueOf<Json>(json, key, expected.c_str(), place);
+  const Json& value = json.at(key);
+  // Numbers written as 3.0 are what some tools make of 3.
+  const double number = value.is_number() ? value.get<double>() : std::nan("");
+  if (!(number >= static_cast<double>(low) && number <= static_cast<double>(high)) ||
+      number != std::floor(number))
+    place.fail("'" + key + "' is " + value.dump().substr(0, 60) + ", expected " + expected);
+  return value.is_number_float() ? static_cast<long long>(number) : value.get<long long>();
+}
+
 const Json& listOf(const Json& json, const std::string& key, const Place& place)
 {
   if (!json.is_object() || !json.contains(key) || !json.at(key).is_array())
@@ -77,7 +98,7 @@ cv::Rect boxOf(const Json& json, const std::string& key, const Place& place)
   const std::vector<double> box =
       valueOf<std::vector<double>>(json, key, "[x, y, width, height] in px", place);
   if (box.size() != 4 || !std::all_of(box.begin(), box.end(), [](double value) {
-        return std::isfinite(value) && std::abs(value) < 1e6;
+        return std::isfinite(value) && std::abs(value) < kMaxCoordinate;
       }))
     place.fail("'" + key + "' is " + json.at(key).dump().substr(0, 60) +
                ", expected [x, y, width, height] in px");
@@ -109,12 +130,11 @@ std::vector<LabelledEntry> readOurs(const fs::path& folder)
       label.box = boxOf(object, "box", here);
       label.pixels = label.box.area();
       if (object.contains("instance"))
-        label.instance = valueOf<int>(object, "instance", "a number from 0 to 255", here);
+        label.instance = static_cast<int>(wholeOf(object, "instance", 0, 255, here));
       if (object.contains("pixels"))
-        label.pixels = valueOf<int>(object, "pixels", "a number", here);
-      if (label.name.empty() || label.instance < 0 || label.instance > 255)
-        here.fail("name '" + label.name + "' with instance " + std::to_string(label.instance) +
-                  ", expected a name and an instance from 0 to 255");
+        label.pixels = static_cast<int>(wholeOf(object, "pixels", 0, kMaxPixels, here));
+      if (label.name.empty())
+        here.fail("the name is empty");
       entry.labels.push_back(label);
     }
     entries.push_back(entry);
@@ -129,7 +149,7 @@ std::vector<LabelledEntry> readCoco(const fs::path& path, const Json& root)
   for (const Json& category : listOf(root, "categories", file))
   {
     const Place place = file.in("category " + std::to_string(categories.size()));
-    categories[valueOf<long long>(category, "id", "a number", place)] =
+    categories[wholeOf(category, "id", -kMaxId, kMaxId, place)] =
         valueOf<std::string>(category, "name", "text", place);
   }
   const fs::path folder = path.parent_path();
@@ -139,7 +159,7 @@ std::vector<LabelledEntry> readCoco(const fs::path& path, const Json& root)
   {
     const Place place = file.in("image " + std::to_string(entries.size()));
     const std::string name = valueOf<std::string>(image, "file_name", "a file name", place);
-    const long long id = valueOf<long long>(image, "id", "a number", place);
+    const long long id = wholeOf(image, "id", -kMaxId, kMaxId, place);
     if (!index.emplace(id, entries.size()).second)
       place.fail("the id " + std::to_string(id) + " is there twice");
     const fs::path in_images = folder / "images" / name;
@@ -152,11 +172,11 @@ std::vector<LabelledEntry> readCoco(const fs::path& path, const Json& root)
   for (const Json& annotation : listOf(root, "annotations", file))
   {
     const Place place = file.in("annotation " + std::to_string(number++));
-    const auto image = index.find(valueOf<long long>(annotation, "image_id", "a number", place));
+    const auto image = index.find(wholeOf(annotation, "image_id", -kMaxId, kMaxId, place));
     if (image == index.end())
       place.fail("there is no image with the id " + annotation.at("image_id").dump());
     const auto category =
-        categories.find(valueOf<long long>(annotation, "category_id", "a number", place));
+        categories.find(wholeOf(annotation, "category_id", -kMaxId, kMaxId, place));
     if (category == categories.end())
       place.fail("there is no category with the id " + annotation.at("category_id").dump());
     Label label;

@@ -13,6 +13,7 @@ namespace
 {
 
 constexpr int kFormat = 2;
+constexpr int kMaxFeatures = 1000;  // of the evidence: far more than there are
 
 /// Trees as rows [tree, feature, threshold, left, right, value].
 cv::Mat packed(const std::vector<Tree>& trees)
@@ -37,6 +38,10 @@ std::vector<Tree> unpackedTrees(const cv::Mat& rows)
   for (int i = 0; i < rows.rows; ++i)
   {
     const double* row = rows.ptr<double>(i);
+    for (const int column : {1, 3, 4})
+      if (!(row[column] >= -1.0 && row[column] < rows.rows + kMaxFeatures))
+        throw InvalidArgument("row " + std::to_string(i) + " of the trees has " +
+                              std::to_string(row[column]) + " in column " + std::to_string(column));
     if (row[0] != static_cast<double>(trees.size()) &&
         row[0] + 1.0 != static_cast<double>(trees.size()))
       throw InvalidArgument("row " + std::to_string(i) + " of the trees is not in order");
