@@ -9,7 +9,7 @@ namespace kr3::navigation
 {
 
 ParticleFilter::ParticleFilter(DistanceField field, const ParticleFilterOptions& options,
-                               std::uint64_t seed)
+                               std::uint64_t seed, const std::vector<char>& movable)
   : options_(options), random_(seed)
 {
   if (options_.num_particles < 1)
@@ -18,13 +18,18 @@ ParticleFilter::ParticleFilter(DistanceField field, const ParticleFilterOptions&
   if (options_.beam_step < 1)
     throw InvalidArgument("beam step " + std::to_string(options_.beam_step) +
                           ", expected at least 1");
+  if (!(options_.surface_m > 0.0 && options_.new_view_m > 0.0 && options_.new_view_rad > 0.0))
+    throw InvalidArgument("surface_m, new_view_m and new_view_rad must be greater than 0");
   particles_.resize(static_cast<std::size_t>(options_.num_particles));
-  setField(std::move(field));
+  setField(std::move(field), movable);
   reset(Pose{}, PoseSpread{});
 }
 
-void ParticleFilter::setField(DistanceField field)
+void ParticleFilter::setField(DistanceField field, const std::vector<char>& movable)
 {
+  if (!movable.empty() && movable.size() != field.distance_m.size())
+    throw InvalidArgument("movable has " + std::to_string(movable.size()) + " nodes, the map " +
+                          std::to_string(field.distance_m.size()));
   field_ = std::move(field);
   const double exponent = -0.5 / (options_.hit_sigma_m * options_.hit_sigma_m);
   log_likelihood_.resize(field_.distance_m.size());
@@ -33,6 +38,13 @@ void ParticleFilter::setField(DistanceField field)
     const auto d = static_cast<double>(distance_m);
     return static_cast<float>(std::log(std::exp(exponent * d * d) + options_.random_hit));
   });
+  const auto floor = static_cast<float>(std::log(options_.random_hit));
+  const auto weight = static_cast<float>(options_.movable_weight);
+  for (std::size_t node = 0; node < movable.size(); ++node)
+  {
+    if (movable[node] != 0)
+      log_likelihood_[node] = floor + weight * (log_likelihood_[node] - floor);
+  }
 }
 
 double ParticleFilter::logLikelihood(Point p) const
@@ -63,6 +75,7 @@ void ParticleFilter::reset(const Pose& mean, const PoseSpread& spread)
                      wrapAngle(mean.yaw + spread.yaw_rad * normal(random_))};
     particle.weight = 1.0 / static_cast<double>(particles_.size());
   }
+  new_view_ = 1.0;
   summarise();
 }
 
@@ -70,6 +83,7 @@ void ParticleFilter::predict(const Pose& T_before_now)
 {
   const double driven = std::hypot(T_before_now.x, T_before_now.y);
   const double turned = std::abs(T_before_now.yaw);
+  new_view_ += driven / options_.new_view_m + turned / options_.new_view_rad;
   const double drive_sigma = options_.drive_noise * driven + options_.drive_floor_m +
                              0.02 * turned;  // wheels slip a little while turning
   const double turn_sigma = options_.turn_noise * turned + options_.turn_floor_rad +
@@ -89,18 +103,32 @@ void ParticleFilter::predict(const Pose& T_before_now)
   summarise();
 }
 
-void ParticleFilter::update(const LaserScan& scan, const Pose& T_base_laser)
+std::vector<ParticleFilter::WeightedHit> ParticleFilter::takeHits(const LaserScan& scan,
+                                                                  const Pose& T_base_laser)
 {
-  std::vector<Point> hits;
+  const double spacing_rad =
+      std::abs(scan.angle_increment_rad) * static_cast<double>(options_.beam_step);
+  std::vector<WeightedHit> hits;
   for (std::size_t beam = static_cast<std::size_t>(first_beam_); beam < scan.ranges_m.size();
        beam += static_cast<std::size_t>(options_.beam_step))
   {
-    if (scan.isHit(beam))
-      hits.push_back(T_base_laser * scan.endpoint(beam));
+    if (!scan.isHit(beam))
+      continue;
+    const double surface_m = static_cast<double>(scan.ranges_m[beam]) * spacing_rad;
+    hits.push_back(
+        {T_base_laser * scan.endpoint(beam), std::min(1.0, surface_m / options_.surface_m)});
   }
   first_beam_ = (first_beam_ + 1) % options_.beam_step;
+  return hits;
+}
+
+void ParticleFilter::update(const LaserScan& scan, const Pose& T_base_laser)
+{
+  const std::vector<WeightedHit> hits = takeHits(scan, T_base_laser);
   if (hits.empty())
     return;
+  const double power = options_.likelihood_power * std::min(1.0, new_view_ + options_.view_at_rest);
+  new_view_ = 0.0;
 
   const double far_m = 10.0 * options_.hit_sigma_m;
   std::vector<double> log_weights(particles_.size());
@@ -110,10 +138,10 @@ void ParticleFilter::update(const LaserScan& scan, const Pose& T_base_laser)
     const double c = std::cos(pose.yaw);
     const double s = std::sin(pose.yaw);
     double log_likelihood = 0.0;
-    for (const Point& hit : hits)
-      log_likelihood +=
-          logLikelihood({pose.x + c * hit.x - s * hit.y, pose.y + s * hit.x + c * hit.y});
-    log_weights[i] = std::log(particles_[i].weight) + options_.likelihood_power * log_likelihood;
+    for (const WeightedHit& hit : hits)
+      log_likelihood += hit.weight * logLikelihood({pose.x + c * hit.p_base.x - s * hit.p_base.y,
+                                                    pose.y + s * hit.p_base.x + c * hit.p_base.y});
+    log_weights[i] = std::log(particles_[i].weight) + power * log_likelihood;
   }
   const double best = *std::max_element(log_weights.begin(), log_weights.end());
   double sum = 0.0;
@@ -130,8 +158,8 @@ void ParticleFilter::update(const LaserScan& scan, const Pose& T_base_laser)
   }
   summarise();
   double total_distance = 0.0;
-  for (const Point& hit : hits)
-    total_distance += std::min(far_m, field_.at(estimate_.mean * hit, far_m));
+  for (const WeightedHit& hit : hits)
+    total_distance += std::min(far_m, field_.at(estimate_.mean * hit.p_base, far_m));
   estimate_.mean_hit_distance_m = total_distance / static_cast<double>(hits.size());
   if (1.0 / sum_of_squares < static_cast<double>(particles_.size()) / 2.0)
     resample();

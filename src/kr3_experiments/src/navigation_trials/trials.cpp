@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <kr3_common/error.hpp>
+#include <kr3_navigation/movable_nodes.hpp>
 
 namespace kr3::experiments
 {
@@ -238,7 +239,8 @@ ScanCosts measureScanCosts(const Site& site, const OccupancyMap& map, const Robo
   const LiveMap live_map(map.copy(), true, areaOf(site.places, kGridMargin), options.live_map);
   const std::unique_ptr<sim::World> world = sim::makeWorld(scenarioOf(site, options, seed));
   OccupancyMap growing(options.occupancy);
-  ParticleFilter filter(live_map.reference(), options.filter, seed);
+  ParticleFilter filter(live_map.reference(), options.filter, seed,
+                        movableNodes(live_map.reference(), site.places));
   std::mt19937_64 random(seed);
   ScanCosts costs;
   for (int number = 0; number < num_scans; ++number)
@@ -341,7 +343,8 @@ DriveTrial driveTrial(const Site& site, const OccupancyMap& map, const RobotOpti
       shortestLength(live_map.grid(), robot_options.live_map.planner, start, to.stand);
   trial.shortest_s = trial.shortest_m / robot_options.driver.limits.max_linear;
 
-  ParticleFilter filter(live_map.reference(), robot_options.filter, seed);
+  ParticleFilter filter(live_map.reference(), robot_options.filter, seed,
+                        movableNodes(live_map.reference(), site.places));
   SimulatedRobot robot(scenarioOf(today, robot_options, seed),
                        Navigator(std::move(live_map), PoseTracker(std::move(filter), believed), {}),
                        robot_options.driver, robot_options.cells, site.places, site.doors);

@@ -8,6 +8,7 @@
 #include <kr3_common/error.hpp>
 
 #include "conversions.hpp"
+#include "kr3_navigation/movable_nodes.hpp"
 #include "names.hpp"
 
 namespace kr3::navigation
@@ -39,8 +40,9 @@ Navigator makeNavigator(const NavigationNodeConfig& config, const std::vector<Pl
   if (config.pose_source == PoseSource::kGroundTruth)
     return {std::move(map), PoseTracker(std::nullopt, Pose{}), options};
   const bool maps = config.pose_source == PoseSource::kMapping;
-  ParticleFilter filter(maps ? map.planner().field() : map.reference(), config.particle_filter,
-                        static_cast<std::uint64_t>(config.seed));
+  const DistanceField& field = maps ? map.planner().field() : map.reference();
+  ParticleFilter filter(field, config.particle_filter, static_cast<std::uint64_t>(config.seed),
+                        movableNodes(field, places));
   // A robot that maps on its own says where the frame is.
   const PoseSpread spread = maps ? kFrameSpread : PoseSpread{};
   return {std::move(map), PoseTracker(std::move(filter), config.initial_pose, spread), options};
