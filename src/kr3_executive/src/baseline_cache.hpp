@@ -8,6 +8,7 @@
 #include <kr3_refinement/domain_task.hpp>
 
 #include "flat_model.hpp"
+#include "kr3_executive/domain_belief.hpp"
 #include "kr3_executive/interfaces.hpp"
 
 namespace kr3::executive
@@ -23,6 +24,7 @@ struct FlatPlan
   FlatModel model;
   SolvedPolicy policy;
   double stake = 0.0;  ///< reward of success less that of a wrong end
+  DomainBelief start;  ///< for which it was solved
 };
 
 /// What does not change from one mission to the next, by what it depends on. For one domain, its
@@ -44,5 +46,10 @@ public:
 /// A key for what depends on a task, a goal and a belief over its states.
 [[nodiscard]] std::string keyOf(const refinement::DomainTask& task, const std::string& goal,
                                 const refinement::SparseBelief& belief);
+
+/// The plan of tests for a start, kept in the cache.
+[[nodiscard]] std::shared_ptr<TestPlan> testPlanFor(const DomainBelief& start,
+                                                    const reasoner::Formula& goal,
+                                                    BaselineCache& cache);
 
 }  // namespace kr3::executive

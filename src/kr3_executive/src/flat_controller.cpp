@@ -5,16 +5,39 @@
 
 #include <kr3_common/error.hpp>
 
+#include "search_policy.hpp"
+
 namespace kr3::executive
 {
 
+SolvedPolicy solvedFlat(const FlatModel& model, TestPlan& tests, const DomainBelief& start,
+                        double threshold, const BaselineOptions& options, PolicyServer& policies,
+                        const std::atomic<bool>& cancel)
+{
+  const auto first = searchPolicy(model, tests, start, threshold,
+                                  {options.online_candidates, options.online_prospects});
+  return first ? policies.solveFrom(*first, model.model, options.budget, cancel)
+               : policies.solve(model.model, options.budget, cancel);
+}
+
 FlatController::FlatController(const DomainBelief& start, const reasoner::Formula& goal,
-                               PolicyServer& policies, const BaselineOptions& options,
-                               std::shared_ptr<BaselineCache> cache,
+                               double threshold, PolicyServer& policies,
+                               const BaselineOptions& options, std::shared_ptr<BaselineCache> cache,
                                const std::atomic<bool>& cancel)
-  : goal_(goal), policies_(policies), options_(options), cache_(std::move(cache))
+  : goal_(goal)
+  , threshold_(threshold)
+  , policies_(policies)
+  , options_(options)
+  , cache_(std::move(cache))
 {
   plan(start, cancel);
+}
+
+SolvedPolicy FlatController::solve(const FlatModel& model, const DomainBelief& start,
+                                   const std::atomic<bool>& cancel)
+{
+  const auto tests = testPlanFor(start, goal_, *cache_);
+  return solvedFlat(model, *tests, start, threshold_, options_, policies_, cancel);
 }
 
 void FlatController::plan(const DomainBelief& start, const std::atomic<bool>& cancel)
@@ -38,10 +61,10 @@ void FlatController::plan(const DomainBelief& start, const std::atomic<bool>& ca
       throw;
     }
     FlatModel& model = *found;
-    SolvedPolicy policy = policies_.solve(model.model, options_.budget, cancel);
+    SolvedPolicy policy = solve(model, start, cancel);
     const Objective objective = objectiveFor(task.domain(), task.models());
-    kept = std::make_shared<FlatPlan>(
-        FlatPlan{std::move(model), std::move(policy), objective.success - objective.wrong_finish});
+    kept = std::make_shared<FlatPlan>(FlatPlan{std::move(model), std::move(policy),
+                                               objective.success - objective.wrong_finish, start});
   }
   plan_ = kept;
 }
@@ -66,7 +89,7 @@ std::optional<std::size_t> FlatController::next(const DomainBelief& belief,
   }
   catch (const NotFound&)  // the server was restarted: tell it again
   {
-    plan_->policy = policies_.solve(plan_->model.model, options_.budget, cancel);
+    plan_->policy = solve(plan_->model, plan_->start, cancel);
     action = policies_.actionAt(plan_->policy.id, *dense);
   }
   return action == plan_->model.finishAction() ? std::nullopt : std::optional(action);

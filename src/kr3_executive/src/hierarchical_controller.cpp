@@ -169,14 +169,14 @@ std::optional<HierarchicalController::Choice> HierarchicalController::choiceByOr
   if (probability[likeliest] > config_.limits.threshold && !plan_->holdsGoal(states[likeliest]))
     return stepOf(states[likeliest], plan_->goalFrom(states[likeliest]), std::nullopt);
   const ProspectOf prospect = prospectsOf(states);
-  const auto first = firstToTest(probability, states[likeliest], prospect, {});
+  const auto first = orderOfTests(probability, states[likeliest], prospect, {});
   if (!first)
     return stepOf(states[likeliest], plan_->goalFrom(states[likeliest]), std::nullopt);
-  const auto state = plan_->combined(states[likeliest], states[first->hypothesis]);
+  const auto state = plan_->combined(states[likeliest], states[first->order.front()]);
   auto choice =
-      stepOf(*state, plan_->testFrom(*state), worthOfFinding(all, *state, first->hypothesis));
+      stepOf(*state, plan_->testFrom(*state), worthOfFinding(all, *state, first->order.front()));
   if (choice)
-    choice->is_look = plan_->holdsGoal(states[first->hypothesis]);
+    choice->is_look = plan_->holdsGoal(states[first->order.front()]);
   return choice;
 }
 
@@ -230,7 +230,7 @@ double HierarchicalController::worthOfFinding(const Hypotheses& all, StateId fro
 bool HierarchicalController::isWorthSearching(const CoarseBelief& belief, double achieved) const
 {
   const auto [states, probability, likeliest] = hypothesesOf(belief);
-  const auto first = firstToTest(probability, states[likeliest], prospectsOf(states), {});
+  const auto first = orderOfTests(probability, states[likeliest], prospectsOf(states), {});
   return first && endWorth(objective_, achieved) < objective_.success - first->expected_s;
 }
 

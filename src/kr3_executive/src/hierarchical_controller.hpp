@@ -29,7 +29,7 @@ namespace kr3::executive
 /// level is summarised by few numbers, so it ends only where the order of tests does not hold
 /// searching on for better. Where it is too large to be solved, or would begin what has just been
 /// given up, the likeliest coarse state is acted on above the threshold; below it the hypothesis is
-/// tested that is expected to end the search soonest (firstToTest), by the durations and detection
+/// tested that is expected to end the search soonest (orderOfTests), by the durations and detection
 /// probabilities that the lower policies were simulated to have.
 ///
 /// A lower task that tests a hypothesis is paid for success as much as the best other test would

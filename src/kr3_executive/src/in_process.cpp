@@ -1,5 +1,6 @@
 #include "kr3_executive/in_process.hpp"
 
+#include <cstdint>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -106,7 +107,33 @@ InProcessPolicyServer::InProcessPolicyServer(std::shared_ptr<PolicyCache> cache)
 SolvedPolicy InProcessPolicyServer::solve(const pomdp::Model& model, const SolveBudget& budget,
                                           const std::atomic<bool>& cancel)
 {
-  const PolicyCache::Key key = PolicyCache::keyOf(model, budget);
+  return solved(PolicyCache::keyOf(model, budget), model, nullptr, budget, cancel);
+}
+
+SolvedPolicy InProcessPolicyServer::solveFrom(const pomdp::Policy& first, const pomdp::Model& model,
+                                              const SolveBudget& budget,
+                                              const std::atomic<bool>& cancel)
+{
+  const PolicyCache::Key of_model = PolicyCache::keyOf(model, budget);
+  Fingerprinter key;
+  key.add(of_model.high);
+  key.add(of_model.low);
+  for (const auto& vector : first.alphaVectors())
+  {
+    key.add(static_cast<std::uint64_t>(vector.action));
+    key.add(static_cast<std::uint64_t>(vector.states.size()));
+    for (const std::uint32_t state : vector.states)
+      key.add(static_cast<std::uint64_t>(state));
+    for (const double value : vector.values)
+      key.add(value);
+  }
+  return solved(key.result(), model, &first, budget, cancel);
+}
+
+SolvedPolicy InProcessPolicyServer::solved(const PolicyCache::Key& key, const pomdp::Model& model,
+                                           const pomdp::Policy* first, const SolveBudget& budget,
+                                           const std::atomic<bool>& cancel)
+{
   const PolicyCache::Found found = cache_->findOrSolve(
       key, model,
       [&] {
@@ -114,8 +141,8 @@ SolvedPolicy InProcessPolicyServer::solve(const pomdp::Model& model, const Solve
     limits.precision = budget.precision;
     limits.time_s = budget.time_s;
     limits.max_backups = budget.max_backups;
-    pomdp::SolveResult result =
-        pomdp::solve(model, limits, [&cancel](const pomdp::SolverProgress&) { return !cancel; });
+    pomdp::SolveResult result = pomdp::solve(
+        model, limits, [&cancel](const pomdp::SolverProgress&) { return !cancel; }, first);
     if (cancel)
       throw Cancelled("solving was cancelled");
     return CachedPolicy{std::move(result.policy), result.lower, result.upper, result.backups,

@@ -317,7 +317,9 @@ json toJson(const PlanningMethod& method)
           {"max_backups", baseline.budget.max_backups},
           {"max_rows", baseline.max_rows},
           {"max_states", baseline.max_states},
-          {"option_samples", baseline.option_samples}};
+          {"option_samples", baseline.option_samples},
+          {"online_prospects", baseline.online_prospects},
+          {"online_candidates", baseline.online_candidates}};
 }
 
 PlanningMethod methodFromJson(const json& item)
@@ -333,6 +335,11 @@ PlanningMethod methodFromJson(const json& item)
   baseline.max_rows = countAt<std::size_t>(item, "max_rows");
   baseline.max_states = countAt<std::size_t>(item, "max_states");
   baseline.option_samples = countAt<std::size_t>(item, "option_samples");
+  // Older recordings have neither.
+  if (item.contains("online_prospects"))
+    baseline.online_prospects = countAt<std::uint64_t>(item, "online_prospects");
+  if (item.contains("online_candidates"))
+    baseline.online_candidates = countAt<std::size_t>(item, "online_candidates");
   return method;
 }
 

@@ -103,6 +103,8 @@ void addOptions(CLI::App& app, Options& options)
                  "POMDP-2: probability of what the defaults say");
   app.add_option("--flat-planning", options.flat_planning,
                  "POMDP-1 and POMDP-2: best, ahead or online");
+  app.add_option("--online-prospects", options.mission.baseline.online_prospects,
+                 "counted work of online planning for each action");
   app.add_option("--flat-backups", options.mission.baseline.budget.max_backups,
                  "of the solver for the whole domain");
   app.add_flag("--require-learned", options.mission.require_learned,

@@ -71,6 +71,8 @@ int main(int argc, char** argv)
   app.add_option("--flat-backups", arguments.options.mission.baseline.budget.max_backups,
                  "of POMDP-1 and POMDP-2");
   app.add_option("--flat-planning", arguments.flat_planning, "best, ahead or online");
+  app.add_option("--online-prospects", arguments.options.mission.baseline.online_prospects,
+                 "counted work of online planning for each action");
   try
   {
     app.parse(argc, argv);

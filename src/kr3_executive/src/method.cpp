@@ -64,14 +64,15 @@ ControllerFactory flatControllers(const MissionParts& parts, const BaselineOptio
     {
       try
       {
-        auto ahead =
-            std::make_unique<FlatController>(start, goal, policies, options, cache, cancel);
+        auto ahead = std::make_unique<FlatController>(start, goal, threshold, policies, options,
+                                                      cache, cancel);
         if (options.planning == FlatPlanning::kAhead)
           return ahead;
         if (ahead->relativeGap() <= kGoodGap)
         {
           return std::make_unique<BestController>(
-              std::move(ahead), std::make_unique<OnlineController>(start, goal, threshold, cache));
+              std::move(ahead),
+              std::make_unique<OnlineController>(start, goal, threshold, options, cache));
         }
       }
       catch (const ResourceExhausted&)
@@ -80,7 +81,7 @@ ControllerFactory flatControllers(const MissionParts& parts, const BaselineOptio
           throw;
       }
     }
-    return std::make_unique<OnlineController>(start, goal, threshold, cache);
+    return std::make_unique<OnlineController>(start, goal, threshold, options, cache);
   };
 }
 

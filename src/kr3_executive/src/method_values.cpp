@@ -1,8 +1,10 @@
 #include "kr3_executive/method_values.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <iomanip>
+#include <memory>
 #include <ostream>
 #include <random>
 #include <sstream>
@@ -10,7 +12,8 @@
 
 #include <kr3_common/error.hpp>
 
-#include "flat_model.hpp"
+#include "baseline_cache.hpp"
+#include "flat_controller.hpp"
 #include "kr3_executive/initial_belief.hpp"
 
 namespace kr3::executive
@@ -60,15 +63,28 @@ public:
   Reference(const AbstractMissions& missions, const std::string& goal, const ValueOptions& options)
     : missions_(missions)
     , objective_(objectiveFor(missions.domain(), missions.models()))
-    , task_(missions.domain(), missions.models(),
-            constantsFor(missions.domain(), goal, missions.scenario().initial_records))
+    , task_(std::make_shared<refinement::DomainTask>(
+          missions.domain(), missions.models(),
+          constantsFor(missions.domain(), goal, missions.scenario().initial_records)))
     , start_(startBelief(options))
     , formula_(reasoner::parseGoal(goal, missions.domain().highLevel()))
-    , flat_(flatModel(task_, start_, formula_, objective_, options.max_rows))
+    , flat_(flatModel(*task_, start_, formula_, objective_, options.max_rows))
   {
   }
 
   [[nodiscard]] const FlatModel& flat() const { return flat_; }
+
+  [[nodiscard]] SolvedPolicy solve(const ValueOptions& options, PolicyServer& policies)
+  {
+    BaselineCache cache;
+    BaselineOptions baseline = options.mission.baseline;
+    baseline.budget = options.reference;
+    const DomainBelief start(task_, start_);
+    const auto tests = testPlanFor(start, formula_, cache);
+    const std::atomic<bool> never{false};
+    return solvedFlat(flat_, *tests, start, options.mission.driver.limits.threshold, baseline,
+                      policies, never);
+  }
   [[nodiscard]] const Objective& objective() const { return objective_; }
 
   /// A state drawn from the start, as low-level literals.
@@ -87,10 +103,10 @@ public:
       }
     }
     std::vector<std::string> truths;
-    const auto& fluents = task_.space().fluents();
+    const auto& fluents = task_->space().fluents();
     for (std::size_t i = 0; i < fluents.size(); ++i)
     {
-      const std::string& value = task_.space().value(drawn, i);
+      const std::string& value = task_->space().value(drawn, i);
       const bool boolean = value == "true" || value == "false";
       truths.push_back(boolean ? (value == "true" ? "" : "-") + fluents[i].name
                                : fluents[i].name + " = " + value);
@@ -102,12 +118,12 @@ public:
   [[nodiscard]] double finishReward(const TrialResult& trial)
   {
     std::vector<std::string> values;
-    for (const auto& fluent : task_.space().fluents())
+    for (const auto& fluent : task_->space().fluents())
     {
       const auto held = trial.fine.find(fluent.name);
       values.push_back(held == trial.fine.end() ? "false" : held->second);
     }
-    const auto state = task_.space().find(values);
+    const auto state = task_->space().find(values);
     const auto number = state ? flat_.number.find(*state) : flat_.number.end();
     if (number == flat_.number.end())
       throw InternalError("the world is in a state that the flat model cannot reach");
@@ -127,14 +143,14 @@ private:
         options.mission.plan);
     reasoner.setHistory(history);
     const Narrator narrator(missions_.bindings().phrases(), domain.highLevel());
-    return task_.initialBelief(
-        knowledgeOf(reasoner, task_, history, {}, narrator, options.default_probability),
+    return task_->initialBelief(
+        knowledgeOf(reasoner, *task_, history, {}, narrator, options.default_probability),
         options.mission.baseline.max_states);
   }
 
   const AbstractMissions& missions_;
   Objective objective_;
-  refinement::DomainTask task_;
+  std::shared_ptr<refinement::DomainTask> task_;
   refinement::SparseBelief start_;
   reasoner::Formula formula_;
   FlatModel flat_;
@@ -188,8 +204,7 @@ ValueTable methodValues(const std::string& directory, const std::vector<Method>&
     throw InvalidArgument("the domain's scenario has no goal");
   Reference reference(missions, missions.scenario().goal, options);
   InProcessPolicyServer solver(config.policies);
-  const std::atomic<bool> never{false};
-  const SolvedPolicy solved = solver.solve(reference.flat().model, options.reference, never);
+  const SolvedPolicy solved = reference.solve(options, solver);
 
   ValueTable table;
   table.num_states = reference.flat().model.numStates();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
@@ -42,31 +43,35 @@ struct SearchOrderOptions
 {
   /// Hypotheses that are tried as the first one; the others follow greedily.
   std::size_t candidates = 8;
-  /// With more hypotheses than this the greedy choice decides.
-  std::size_t max_hypotheses = 150;
+  /// Counted work: after so many prospects nothing further is tried. The greedy order is made
+  /// whatever it takes.
+  std::uint64_t max_prospects = 200000;
 };
 
 struct SearchChoice
 {
-  std::size_t hypothesis = 0;  ///< to test first
-  double expected_s = 0.0;     ///< to the goal, looking on until it is reached; with more than
-                               ///< `max_hypotheses`, if the first one is true
+  std::vector<std::size_t> order;  ///< hypotheses, that to test first in front; not empty
+  double expected_s = 0.0;         ///< to the goal, looking on until it is reached
+  std::uint64_t prospects = 0;     ///< work done
 };
 
-/// Which hypothesis to test first.
+/// In which order to test hypotheses.
 ///
-/// The greedy choice has the greatest detection probability per second, the rule that is optimal
-/// where the way there costs the same from everywhere. It is improved once (rollout): each of the
-/// best candidates is supposed to be tested first, the others after it by the greedy rule, and the
-/// one of the least expected seconds to the goal is taken; looking fails as often as it does, and
+/// The greedy order takes next what has the greatest detection probability per second, the rule
+/// that is optimal where the way there costs the same from everywhere. One step of rollout tries
+/// each of the best candidates first, the others after it by the greedy rule. The order of the
+/// least expected seconds to the goal is then improved by reversing parts of it and by moving
+/// single tests, until nothing helps or the work is used up. Looking fails as often as it does, and
 /// what is left then counts like another round.
 ///
 /// @param probability  of each hypothesis
+/// @param known        an order found before, tried as well; hypotheses may be missing or too many
 /// @return nothing when none can be tested
 /// Sources: Black (1965), the index of the discrete search problem; Bertsekas and Castañón (1999),
-/// rollout of such heuristics.
-[[nodiscard]] std::optional<SearchChoice> firstToTest(const std::vector<double>& probability,
-                                                      std::size_t from, const ProspectOf& prospect,
-                                                      const SearchOrderOptions& options);
+/// rollout of such heuristics; Croes (1958) and Or (1976), the two moves.
+[[nodiscard]] std::optional<SearchChoice> orderOfTests(const std::vector<double>& probability,
+                                                       std::size_t from, const ProspectOf& prospect,
+                                                       const SearchOrderOptions& options,
+                                                       const std::vector<std::size_t>& known = {});
 
 }  // namespace kr3::executive

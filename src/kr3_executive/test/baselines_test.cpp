@@ -178,6 +178,24 @@ TEST(Pomdp2, GainsFromARightDefaultAndLosesByAWrongOne)
   EXPECT_GT(with_elsewhere, without_elsewhere);
 }
 
+// What is kept from mission to mission changes no decision.
+TEST(OnlinePlanning, DoesNotDependOnEarlierMissions)
+{
+  const std::string floor = floorOf("kept", "--rooms 4 --cells 4 --defaults 0");
+  AbstractMissionConfig config = configFor(Method::kPomdp1);
+  config.baseline.planning = FlatPlanning::kOnline;
+  AbstractMissions used(floor, config);
+  for (const std::uint64_t seed : {1U, 2U, 3U})
+  {
+    AbstractMissions fresh(floor, config);
+    Watcher with;
+    Watcher without;
+    static_cast<void>(used.run(used.scenario().goal, {"loc(b1) = r3"}, seed, with));
+    static_cast<void>(fresh.run(fresh.scenario().goal, {"loc(b1) = r3"}, seed, without));
+    EXPECT_EQ(with.actions, without.actions) << seed;
+  }
+}
+
 TEST(Methods, AreNamed)
 {
   for (const Method method : allMethods())

@@ -11,6 +11,8 @@
 
 #include <kr3_common/error.hpp>
 
+#include "kr3_executive/work_rates.hpp"
+
 namespace kr3::executive
 {
 namespace
@@ -79,6 +81,21 @@ TEST(MethodValues, NoMethodEarnsMoreThanTheUpperBound)
     EXPECT_NE(text.str().find(std::string("\n") + toString(method) + " "), std::string::npos);
 }
 
+// The solver of the flat model begins with a policy that searches: with next to no work it does not
+// give up at once (which earned -203 here), and it earns no less than its bound says.
+TEST(MethodValues, LittleWorkSearchesToo)
+{
+  ValueOptions options = optionsFor(60);
+  options.reference.max_backups = 5;
+  const ValueTable table =
+      methodValues(floorOf("little", "--rooms 4 --cells 4 --defaults 0"), {}, options);
+  const MethodValue& reference = table.methods.front();
+  EXPECT_GT(table.lower, 0.0);
+  EXPECT_GT(meanOf(reference.discounted).value, 50.0);
+  EXPECT_GE(meanOf(reference.discounted).high, table.lower);
+  EXPECT_EQ(reference.silent, 0U);
+}
+
 // A belief that the goal holds by default is no reason to declare it.
 TEST(MethodValues, BiasedByDefaultsTheGoalIsMadeSureOf)
 {
@@ -93,6 +110,31 @@ TEST(MethodValues, BiasedByDefaultsTheGoalIsMadeSureOf)
 TEST(MethodValues, RefuseUnequalNumbersOfTrials)
 {
   EXPECT_THROW(static_cast<void>(pairedDifference({1.0}, {1.0, 2.0})), InvalidArgument);
+}
+
+TEST(WorkRates, MoreSecondsAreWorthMore)
+{
+  WorkRateOptions options;
+  options.cpu_s = {0.05, 0.1};
+  options.missions = 2;
+  const WorkRates rates = workRates(floorOf("rates", "--rooms 3 --cells 3 --defaults 0"), options);
+  ASSERT_EQ(rates.backups.size(), 2U);
+  ASSERT_EQ(rates.prospects.size(), 2U);
+  EXPECT_GT(rates.backups[0], 0U);
+  EXPECT_LT(rates.backups[0], rates.backups[1]);
+  EXPECT_NEAR(static_cast<double>(rates.prospects[1]),
+              2.0 * static_cast<double>(rates.prospects[0]), 2.0);
+  EXPECT_GT(rates.most_used, 0U);
+  EXPECT_GE(rates.decisions, 1.0);
+  std::ostringstream line;
+  print(line, rates);
+  EXPECT_NE(line.str().find("\"most_used\""), std::string::npos);
+  // Too large to be solved ahead: online alone.
+  options.mission.baseline.max_rows = 10;
+  EXPECT_TRUE(
+      workRates(floorOf("rates", "--rooms 3 --cells 3 --defaults 0"), options).backups.empty());
+  options.cpu_s = {2.0, 1.0};
+  EXPECT_THROW(static_cast<void>(workRates("nowhere", options)), InvalidArgument);
 }
 
 }  // namespace

@@ -95,6 +95,10 @@ const std::map<std::string, Setter>& setters()
        [](TrialJob& job, const json& v) {
     job.config.baseline.budget.max_backups = countOf<std::uint64_t>(v, "flat_backups");
        }},
+      {"online_prospects",
+       [](TrialJob& job, const json& v) {
+    job.config.baseline.online_prospects = countOf<std::uint64_t>(v, "online_prospects");
+       }},
       {"max_hl_actions",
        [](TrialJob& job, const json& v) {
     job.limits.max_hl_actions = countOf<std::uint32_t>(v, "max_hl_actions");

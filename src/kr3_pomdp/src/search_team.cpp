@@ -103,6 +103,14 @@ SearchTeam::SearchTeam(const ObservedModel& model, InformedVectors informed,
 
 SearchTeam::~SearchTeam() = default;
 
+void SearchTeam::take(const Findings& findings)
+{
+  for (const std::unique_ptr<Member>& member : members_)
+  {
+    member->graph.take(findings);
+  }
+}
+
 /// The rounds of a run with several members.
 class SearchTeam::Rounds
 {

@@ -27,6 +27,9 @@ public:
              const SolverLimits& limits, const SolverParts& parts, Supervisor& supervisor);
   ~SearchTeam();
 
+  /// Before run(): what every search begins with.
+  void take(const Findings& findings);
+
   /// Until the supervisor says stop. Rethrows what a search threw.
   void run();
 

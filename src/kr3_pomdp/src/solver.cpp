@@ -157,6 +157,37 @@ Policy policyOf(const BeliefGraph& graph, std::vector<AlphaVector> vectors)
   return Policy(observed.model().numStates(), vectors);
 }
 
+/// The vectors of a policy in each class whose states they all cover.
+Findings findingsOf(const ObservedModel& observed, const Policy& policy)
+{
+  Findings findings;
+  for (const AlphaVector& vector : policy.alphaVectors())
+  {
+    for (std::size_t c = 0; c < observed.classes().size(); ++c)
+    {
+      std::vector<double> values;
+      for (const std::uint32_t state : observed.classes()[c].states)
+      {
+        const auto at = std::lower_bound(vector.states.begin(), vector.states.end(), state);
+        if (vector.states.empty())
+        {
+          values.push_back(vector.values[state]);
+        }
+        else if (at != vector.states.end() && *at == state)
+        {
+          values.push_back(vector.values[static_cast<std::size_t>(at - vector.states.begin())]);
+        }
+      }
+      if (values.size() == observed.classes()[c].states.size())
+      {
+        findings.vectors.push_back({static_cast<std::uint32_t>(c),
+                                    static_cast<std::uint32_t>(vector.action), std::move(values)});
+      }
+    }
+  }
+  return findings;
+}
+
 /// Leaves of each class only its values in single states: every action gets the greatest.
 void keepCorners(InformedVectors& informed)
 {
@@ -204,7 +235,7 @@ SolveResult blindResult(const Model& model, const Supervisor& supervisor)
 
 /// @throws Abandoned  it was stopped before there were bounds; not where the discount is 1
 SolveResult solvePrepared(const Model& model, const SolverLimits& limits, const SolverParts& parts,
-                          Supervisor& supervisor)
+                          const Policy* first_policy, Supervisor& supervisor)
 {
   const auto in_time = [&supervisor] { return supervisor.mayPrepare(); };
   const ObservedModel observed(
@@ -222,6 +253,10 @@ SolveResult solvePrepared(const Model& model, const SolverLimits& limits, const 
     keepCorners(informed);
   }
   SearchTeam team(observed, std::move(informed), blind, limits, parts, supervisor);
+  if (first_policy != nullptr)
+  {
+    team.take(findingsOf(observed, *first_policy));
+  }
   team.run();
   std::vector<AlphaVector> for_all;
   if (first)
@@ -248,15 +283,23 @@ SolveResult solvePrepared(const Model& model, const SolverLimits& limits, const 
 }  // namespace
 
 SolveResult solve(const Model& model, const SolverLimits& limits,
-                  const ProgressCallback& keep_going)
+                  const ProgressCallback& keep_going, const Policy* first)
 {
-  return solveWith(model, limits, {}, keep_going);
+  return solveWith(model, limits, {}, keep_going, first);
 }
 
 SolveResult solveWith(const Model& model, const SolverLimits& limits, const SolverParts& parts,
-                      const ProgressCallback& keep_going)
+                      const ProgressCallback& keep_going, const Policy* first)
 {
   check(limits, static_cast<bool>(keep_going));
+  if (first != nullptr &&
+      (first->numStates() != model.numStates() || first->maxAction() >= model.numActions()))
+  {
+    throw InvalidArgument("a first policy of " + std::to_string(first->numStates()) +
+                          " states and actions up to " + std::to_string(first->maxAction()) +
+                          ", expected " + std::to_string(model.numStates()) + " and up to " +
+                          std::to_string(model.numActions() - 1));
+  }
   if (!parts.sampled_trials && !parts.upper_trials)
   {
     throw InvalidArgument(
@@ -265,7 +308,7 @@ SolveResult solveWith(const Model& model, const SolverLimits& limits, const Solv
   Supervisor supervisor(limits, keep_going);
   try
   {
-    return solvePrepared(model, limits, parts, supervisor);
+    return solvePrepared(model, limits, parts, first, supervisor);
   }
   catch (const Abandoned&)
   {

@@ -21,6 +21,7 @@ struct SolverParts
 /// @throws InvalidArgument  as solve(); no trials
 [[nodiscard]] SolveResult solveWith(const Model& model, const SolverLimits& limits,
                                     const SolverParts& parts,
-                                    const ProgressCallback& keep_going = {});
+                                    const ProgressCallback& keep_going = {},
+                                    const Policy* first = nullptr);
 
 }  // namespace kr3::pomdp

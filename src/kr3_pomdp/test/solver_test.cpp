@@ -98,6 +98,21 @@ TEST(Solver, SearchesRoomsBetterThanTheGreedyRule)
   EXPECT_GT(solve(test::roomSearch(3), test::backups(20000)).lower, 44.0);
 }
 
+// What is known at first is a lower bound from the start, and is improved on.
+TEST(Solver, BeginsWithAPolicyThatIsGiven)
+{
+  const Model model = test::tiger();
+  const SolveResult good = solve(model, test::backups(2000, 1e-3));
+  const SolveResult without = solve(model, test::backups(1, 1e-3));
+  const SolveResult with = solve(model, test::backups(1, 1e-3), {}, &good.policy);
+  ASSERT_LT(without.lower, good.lower - 1.0);
+  EXPECT_GE(with.lower, good.lower - 1e-9);
+  EXPECT_LE(with.lower, good.upper + 1e-9);
+  const Model other = test::randomModel({3, 2, 2, 0.5}, 1);
+  EXPECT_THROW(static_cast<void>(solve(other, test::backups(1, 1e-3), {}, &good.policy)),
+               InvalidArgument);
+}
+
 TEST(Solver, ThePolicyEarnsWhatTheBoundsSay)
 {
   for (const Model& model : {test::tiger(), test::roomSearch(2)})

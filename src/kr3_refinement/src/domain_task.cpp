@@ -18,6 +18,9 @@ const std::string kTrue = "true";
 const std::string kFalse = "false";
 const std::string kNone = "none";
 
+/// Transitions that are kept, of about 200 bytes each; with more all are computed anew.
+constexpr std::size_t kMaxTransitions = 1500000;
+
 /// Substitutes an action's arguments for the names that the models file gives its parameters.
 std::string argumentOf(const ActionModel& model, const StateSpace::Action& action,
                        const std::string& name)
@@ -95,6 +98,10 @@ std::optional<double> DomainTask::distance(StateId state, std::size_t action) co
 const DomainTask::Transition& DomainTask::transition(StateId state, std::size_t action)
 {
   const std::uint64_t key = std::uint64_t{state} * numActions() + action;
+  if (transitions_.size() >= kMaxTransitions && transitions_.count(key) == 0)
+  {
+    transitions_.clear();
+  }
   const auto [entry, is_new] = transitions_.try_emplace(key);
   Transition& transition = entry->second;
   if (!is_new)

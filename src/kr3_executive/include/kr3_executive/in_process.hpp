@@ -51,12 +51,19 @@ public:
   /// `cpu_s` of a policy that was cached is what solving it once took.
   SolvedPolicy solve(const pomdp::Model& model, const SolveBudget& budget,
                      const std::atomic<bool>& cancel) override;
+  SolvedPolicy solveFrom(const pomdp::Policy& first, const pomdp::Model& model,
+                         const SolveBudget& budget, const std::atomic<bool>& cancel) override;
   std::size_t actionAt(const std::string& policy_id, const pomdp::Belief& belief) override;
 
   [[nodiscard]] PolicyCacheStats stats() const { return cache_->stats(); }
   [[nodiscard]] const std::shared_ptr<PolicyCache>& cache() const { return cache_; }
 
 private:
+  /// @param first  null: none
+  SolvedPolicy solved(const PolicyCache::Key& key, const pomdp::Model& model,
+                      const pomdp::Policy* first, const SolveBudget& budget,
+                      const std::atomic<bool>& cancel);
+
   std::shared_ptr<PolicyCache> cache_;  // shared by the trials of several threads
 };
 

@@ -10,6 +10,7 @@
 
 #include <kr3_pomdp/belief.hpp>
 #include <kr3_pomdp/model.hpp>
+#include <kr3_pomdp/policy.hpp>
 #include <kr3_reasoner/reasoner.hpp>
 
 /// What the executive needs from others. Each interface has an implementation in process
@@ -94,6 +95,14 @@ public:
 
   [[nodiscard]] virtual SolvedPolicy solve(const pomdp::Model& model, const SolveBudget& budget,
                                            const std::atomic<bool>& cancel) = 0;
+  /// The same from a policy of the model that is known (pomdp::solve() says what it must be); a
+  /// server that has no use for it solves without.
+  [[nodiscard]] virtual SolvedPolicy solveFrom(const pomdp::Policy& /*first*/,
+                                               const pomdp::Model& model, const SolveBudget& budget,
+                                               const std::atomic<bool>& cancel)
+  {
+    return solve(model, budget, cancel);
+  }
   /// Index of the action at the belief. @throws NotFound  no such policy (any more)
   [[nodiscard]] virtual std::size_t actionAt(const std::string& policy_id,
                                              const pomdp::Belief& belief) = 0;

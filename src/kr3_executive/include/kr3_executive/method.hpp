@@ -55,6 +55,10 @@ struct BaselineOptions
   FlatPlanning planning = FlatPlanning::kBest;
   /// Of the whole domain's POMDP, where it is solved ahead.
   SolveBudget budget{0.5, 0.0, 20000};
+  /// Counted work of online planning for each action: prospects asked for (what testing one
+  /// hypothesis takes from one place), and hypotheses tried as the first to test.
+  std::uint64_t online_prospects = 200000;
+  std::size_t online_candidates = 8;
   /// Of a flat model that is solved ahead: its actions times its states.
   std::size_t max_rows = 400000;
   /// Of a belief.

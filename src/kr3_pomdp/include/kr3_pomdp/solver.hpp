@@ -66,13 +66,18 @@ using ProgressCallback = std::function<bool(const SolverProgress&)>;
 /// state. For others, overHorizon() cuts runs off after some steps.
 ///
 /// @param keep_going  may be empty
-/// @throws InvalidArgument    a limit that is negative or not finite, no thread, or no limit at all
+/// @param first  a policy to begin with, each of whose vectors is the value of a plan supported by
+///               others of them, as Policy says; null: plans of one action each alone. Restricted
+///               to what the robot always knows; the run only improves on it.
+/// @throws InvalidArgument    a policy of another model, a limit that is negative or not finite, no
+/// thread, or no limit at all
 ///                            can end the run (precision 0 without time, backups or callback); a
 ///                            discount of 1 with runs that need not end (the message says where)
 /// @throws ResourceExhausted  a discount of 1 with runs of more than about 1e5 steps
 /// Sources: Smith and Simmons (2004, 2005), HSVI; Kurniawati, Hsu and Lee (2008), SARSOP;
 /// Hauskrecht (2000), fast informed bound and sawtooth.
 [[nodiscard]] SolveResult solve(const Model& model, const SolverLimits& limits,
-                                const ProgressCallback& keep_going = {});
+                                const ProgressCallback& keep_going = {},
+                                const Policy* first = nullptr);
 
 }  // namespace kr3::pomdp

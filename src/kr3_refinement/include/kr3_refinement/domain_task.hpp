@@ -54,7 +54,7 @@ public:
   [[nodiscard]] const StateSpace& space() const { return space_; }
   [[nodiscard]] std::size_t numActions() const { return space_.actions().size(); }
 
-  /// Kept once computed. An outcome beyond the constants kept changes nothing.
+  /// Valid until the next call. An outcome beyond the constants kept changes nothing.
   const Transition& transition(StateId state, std::size_t action);
 
   /// Pr(value | the action led to `next`) for one of the action's observation laws.
