@@ -7,9 +7,9 @@ import pytest
 import yaml
 
 from kr3_experiments.errors import Kr3Error
-from kr3_experiments.experiment import bench
+from kr3_experiments.experiment import bench, learning
 from kr3_experiments.experiment.definition import Options
-from kr3_experiments.experiment.learning import Learning
+from kr3_experiments.experiment.learning import Groups, Learning
 from kr3_experiments.experiment.points import configurations
 from kr3_experiments.experiment.rows import RowStore
 from kr3_experiments.experiment.sweep import LocalExecutor, run_sweep
@@ -102,6 +102,12 @@ def test_missions_are_run_with_the_learned_models_in_the_true_world(tmp_path: Pa
     assert RowStore(tmp_path, Learning().labels).rows == store.rows  # labels are read back exactly
 
 
+def test_training_phases_that_count_the_same_are_different_trials() -> None:
+    texts = [learning._trained(3, (2,), training)[0][1] for training in range(12)]
+    assert len({text.split("\n", 1)[1] for text in texts}) < len(texts)  # two samples of each
+    assert len(set(texts)) == len(texts)
+
+
 def row(seed: int, models: str, samples: int, training: int, actions: int) -> Dict[str, Any]:
     return {
         **{"config": f"{models}{samples}{training}", "commit": "abc", "seed": seed, "truth": ""},
@@ -136,6 +142,16 @@ def test_losses_are_paired_with_the_true_models_and_spread_over_trainings() -> N
     assert [cells[0] for cells in found.tables[1].rows] == ["true", "hand-written"] + 2 * [
         "learned"
     ]
+
+
+def test_the_chances_of_missions_with_the_true_models_widen_what_is_said_of_losses() -> None:
+    rows: List[Dict[str, Any]] = []
+    for seed in range(20):
+        rows.append(row(seed, "true", 0, 0, 10 + 8 * (seed % 2)))  # by chance
+        rows += [row(seed, "learned", 1000, training, 13) for training in range(1, 8)]
+    loss = Groups(rows).loss(1000, "ll_actions")
+    assert loss is not None and loss.value == pytest.approx(-1.0)
+    assert loss.low < -2.0 and loss.high > 0.0  # all training phases alike, and yet not certain
 
 
 def test_rows_of_an_unfinished_sweep_are_told_as_far_as_they_go() -> None:

@@ -1,12 +1,14 @@
 """The training phase without a robot: laws, trials in a simulated low level with known chances, counts, files."""
 import json
 import random
+from dataclasses import replace
 from pathlib import Path
 from typing import Dict
 
 import pytest
 import yaml
 
+from kr3_experiments.cli import main
 from kr3_experiments.domain import repository_root
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.learning.counts import (
@@ -16,12 +18,14 @@ from kr3_experiments.learning.counts import (
     Observed,
     agree,
     count,
+    effective_size,
+    joined,
     read_attempts,
     share,
 )
 from kr3_experiments.learning.labels import attempts_from_labels
 from kr3_experiments.learning.laws import GroundAction, LowLevel, State, Value
-from kr3_experiments.learning.models_file import action_name, learned, outcomes_of
+from kr3_experiments.learning.models_file import action_name, agreement, learned, outcomes_of
 from kr3_experiments.learning.session import Lesson, conclude, load_lesson
 from kr3_experiments.learning.trials import Curriculum, Outcome, train
 from kr3_experiments.learning.truth import CellArea, Snapshot, Truth
@@ -127,6 +131,95 @@ def test_every_stratum_is_tried_as_often_as_wanted(lesson, tmp_path):
     assert sensor.false_positive + sensor.true_negative >= 25
     for name in ("move", "grasp", "putdown"):
         assert len(counts[name].durations.carried_out) >= 25
+
+
+def clustered(generator: random.Random, visits: int, size: int):
+    """Trials whose probability differs from visit to visit: 0.7 on the average."""
+    chances = [generator.choice((0.4, 1.0)) for _ in range(visits)]
+    return [(i, generator.random() < p) for i, p in enumerate(chances) for _ in range(size)]
+
+
+def test_intervals_know_that_trials_of_a_visit_resemble_each_other():
+    generator = random.Random(11)
+    naive = robust = 0
+    runs = 400
+    for _ in range(runs):
+        trials = clustered(generator, visits=12, size=8)
+        hits = sum(hit for _, hit in trials)
+        one = share(hits, len(trials))
+        other = share(hits, len(trials), effective=effective_size(trials))
+        assert one.mean == other.mean
+        naive += one.low <= 0.7 <= one.high
+        robust += other.low <= 0.7 <= other.high
+    assert naive / runs < 0.80  # of 95 % stated
+    assert robust / runs > 0.92
+
+
+def test_independent_trials_count_in_full():
+    assert effective_size([]) == 0.0
+    assert effective_size([(None, True), (None, False)] * 10) == 20.0
+    assert effective_size([(i, i % 3 == 0) for i in range(30)]) == 30.0
+    alike = [(visit, visit < 5) for visit in range(10) for _ in range(6)]
+    assert effective_size(alike) <= 10.0  # no more than there are visits
+    assert effective_size([(1, True), (1, False)]) == 1.0
+
+
+def test_two_estimates_agree_when_their_difference_may_be_zero():
+    assert agree(share(8, 10), share(9, 10))
+    assert not agree(share(90, 100), share(60, 100))
+    # Overlapping intervals that differ nevertheless:
+    first, second = share(80, 100), share(67, 100)
+    assert first.low < second.high and not agree(first, second)
+
+
+def test_training_phases_are_joined_and_compared(lesson, tmp_path, capsys):
+    for seed in (21, 22):
+        run(lesson, tmp_path, seed, 15)
+    files = [tmp_path / f"attempts{seed}.jsonl" for seed in (21, 22)]
+    first, second = (read_attempts(path) for path in files)
+    both = joined([first, second])
+    assert len(both) == len(first) + len(second)
+    assert not {a.visit for a in both[: len(first)]} & {a.visit for a in both[len(first) :]}
+    output = tmp_path / "models.yaml"
+    arguments = ["learn", "office", "--attempts", *map(str, files), "--output", str(output)]
+    assert main(arguments) == 0
+    out = capsys.readouterr().out
+    assert "search: loc, yes where it is so" in out
+    assert "of 6 numbers agree" in out
+    assert f"From {len(both)} attempts ({len(first)}, {len(second)})" in output.read_text()
+    changed = [replace(a, outcome="failed") if a.action == "grasp" else a for a in second]
+    labels = {name: lesson.laws(PARTS).labels(name) for name in lesson.entries}
+    _, apart = agreement(count(first, labels), count(changed, labels))
+    assert apart == ["grasp: succeeded", "grasp: failed"]
+
+
+def test_the_robot_asks_before_it_acts(lesson, tmp_path):
+    """A grasp comes after a look that found the thing, in the same state: where it is, is known then."""
+    run(lesson, tmp_path, 9, 25)
+    attempts = read_attempts(tmp_path / "attempts9.jsonl")
+    known = set()
+    grasps = 0
+    for before, attempt in zip([None, *attempts], attempts):
+        if before is not None and before.action in ("move", "putdown"):
+            known = set()
+        if attempt.action == "search" and attempt.observed[0].said and attempt.observed[0].truth:
+            known.add(attempt.arguments[2])
+        if attempt.action == "grasp":
+            grasps += attempt.arguments[1] in known
+    assert grasps >= 0.9 * sum(attempt.action == "grasp" for attempt in attempts)
+
+
+def test_visits_are_numbered_through(lesson, tmp_path):
+    run(lesson, tmp_path, 10, 20)
+    attempts = read_attempts(tmp_path / "attempts10.jsonl")
+    visits = [attempt.visit for attempt in attempts]
+    assert visits == sorted(visits) and visits[0] == 1
+    for before, after in zip(attempts, attempts[1:]):
+        assert after.visit - before.visit in (0, 1)
+        assert before.action == "move" or after.visit == before.visit
+    # A drive may slip back to where it began.
+    moves = sum(attempt.action == "move" for attempt in attempts)
+    assert visits[-1] > 0.8 * moves
 
 
 def test_stated_intervals_hold_the_truth_as_often_as_they_say():

@@ -1,4 +1,5 @@
 """The training phase: how far learned models are from the truth, and what that costs."""
+import math
 import tempfile
 from functools import lru_cache
 from pathlib import Path
@@ -53,8 +54,8 @@ class Learning:
         f" times where it is not, in {_TRAININGS} training phases ({_QUICK_TRAININGS} if quick), and plans with the means"
         " of the posteriors; PA then acts in the true world. The same missions with the true models, and with the"
         " hand-written ones that nobody learned. Model error: total variation between learned and true distributions,"
-        " mean over actions (T) and over sensors and truths (O); Kullback-Leibler divergence of both. Intervals are over"
-        " training phases. Durations are learned as well; the abstract world has none that vary."
+        " mean over actions (T) and over sensors and truths (O); Kullback-Leibler divergence of both. Intervals of"
+        " model errors are over training phases, of losses over missions and training phases. Durations are learned as well; the abstract world has none that vary."
     )
     labels: Mapping[str, Callable[[str], Any]] = {
         "models": str,
@@ -258,23 +259,33 @@ class Groups:
     def loss(self, samples: int, column: str, models: str = _LEARNED) -> Optional[Estimate]:
         """How much more than with the true models, over the same seeds; None when there are no pairs.
 
-        With several training phases the interval is over their means: missions with the same models are not independent
-        of each other. With one it is over missions.
+        The interval adds what differs between missions, the chances of those with the true models included, and what
+        differs between training phases: missions with the same models are not independent of each other.
         """
-        differences = []
-        for group in self.trainings(samples, models):
-            mine = by_seed(group)
-            seeds = sorted(mine.keys() & self._true.keys())
-            if seeds:
-                differences.append(
-                    [
-                        _value(mine[seed], column) - _value(self._true[seed], column)
-                        for seed in seeds
-                    ]
-                )
-        if len(differences) <= 1:
-            return mean(differences[0]) if differences else None
-        return mean([sum(values) / len(values) for values in differences])
+        groups = [by_seed(group) for group in self.trainings(samples, models)]
+        seeds = sorted(self._true.keys() & set().union(*(group.keys() for group in groups)))
+        if not seeds:
+            return None
+        by_mission, by_training = [], []
+        for seed in seeds:
+            values = [_value(group[seed], column) for group in groups if seed in group]
+            by_mission.append(sum(values) / len(values) - _value(self._true[seed], column))
+        for group in groups:
+            values = [
+                _value(group[seed], column) - _value(self._true[seed], column)
+                for seed in seeds
+                if seed in group
+            ]
+            by_training += [sum(values) / len(values)] if values else []
+        missions = mean(by_mission)
+        if len(by_training) < 2:
+            return missions
+        half = math.hypot(_half(missions), _half(mean(by_training)))
+        return Estimate(missions.value, missions.value - half, missions.value + half)
+
+
+def _half(estimate: Estimate) -> float:
+    return estimate.high - estimate.value
 
 
 def _value(row: Row, column: str) -> float:
@@ -331,7 +342,9 @@ def _trained(
             some: Sequence[Attempt] = attempts[: number * rounds]
             output = folder / "learned.yaml"
             conclude(lesson, laws, some, output, [], classes=False)
-            text = _without_head(output.read_text(encoding="utf-8"))
+            # Two training phases may count the same: their missions are different trials nevertheless.
+            text = f"# Training phase {training + 1}, {number} samples.\n"
+            text += _without_head(output.read_text(encoding="utf-8"))
             error = model_error(true, yaml.safe_load(text), count(some, labels))
             label = _label(
                 _LEARNED,

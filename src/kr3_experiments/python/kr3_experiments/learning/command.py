@@ -15,7 +15,9 @@ from kr3_experiments.bringup import (
 )
 from kr3_experiments.domain import load_domain, repository_root
 from kr3_experiments.errors import Kr3Error
-from kr3_experiments.learning.counts import AttemptLog, read_attempts
+from kr3_experiments.experiment.sweep import commit
+from kr3_experiments.learning.counts import AttemptLog, count, joined, read_attempts
+from kr3_experiments.learning.models_file import agreement
 from kr3_experiments.learning.session import Lesson, conclude, load_lesson
 from kr3_experiments.learning.trials import Curriculum, train
 from kr3_experiments.learning.truth import components
@@ -142,15 +144,7 @@ def run(args: argparse.Namespace) -> int:
             terminal,
         )
     if args.attempts is not None:
-        attempts = [attempt for path in args.attempts for attempt in read_attempts(path)]
-        return _write(
-            args,
-            lesson,
-            attempts,
-            args.attempts[0].parent,
-            f"From {len(attempts)} attempts.",
-            terminal,
-        )
+        return _from_attempts(args, lesson, terminal)
     if args.world == "abstract":
         return _in_abstract_world(args, lesson, wanted, terminal)
     return _drive(args, lesson, wanted, terminal)
@@ -220,6 +214,24 @@ def _drive(args: argparse.Namespace, lesson: Lesson, wanted: int, terminal: Term
         terminal.verdict(False, f"not finished; go on with --run-dir {run_dir} --seed {args.seed}")
         raise interrupted
     return 0
+
+
+def _from_attempts(args: argparse.Namespace, lesson: Lesson, terminal: Terminal) -> int:
+    """Of several training phases together, and whether each two of them agree."""
+    parts = [read_attempts(path) for path in args.attempts]
+    laws = lesson.laws({})
+    labels = {name: laws.labels(name) for name in lesson.entries}
+    for i, second in enumerate(parts):
+        for j, first in enumerate(parts[:i]):
+            lines, apart = agreement(count(first, labels), count(second, labels))
+            terminal.heading(f"{args.attempts[j]} and {args.attempts[i]}: mean [95 % interval]")
+            for line in lines:
+                terminal.detail(line)
+            terminal.detail(f"{len(lines) - len(apart)} of {len(lines)} numbers agree")
+    attempts = joined(parts)
+    sizes = ", ".join(str(len(part)) for part in parts)
+    how = f"From {len(attempts)} attempts ({sizes}), evaluated at commit {commit()}."
+    return _write(args, lesson, attempts, args.attempts[0].parent, how, terminal)
 
 
 def _from_bag(args: argparse.Namespace, lesson: Lesson, terminal: Terminal) -> int:

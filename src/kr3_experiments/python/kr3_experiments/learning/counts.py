@@ -5,7 +5,7 @@ duration is a mean with its standard deviation.
 """
 import json
 import math
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Optional, Sequence, TextIO, Tuple
 
@@ -37,6 +37,9 @@ class Attempt:
     observed: Tuple[Observed, ...]
     duration_s: float
     metres: Optional[float] = None  # that the robot drove, where the cost depends on it
+    # Trials of one visit, between two changes of place, are not independent: the robot looks from the same pose, at
+    # things that lie the same way. None: independent of all others.
+    visit: Optional[int] = None
 
 
 @dataclass(frozen=True)
@@ -48,15 +51,53 @@ class Interval:
     high: float
 
 
+Trials = Sequence[Tuple[Optional[int], bool]]  # visit (None: of its own), and whether it was so
+
+
 def share(
-    count: int, total: int, values: int = 2, prior: float = PRIOR, level: float = 0.95
+    count: int,
+    total: int,
+    values: int = 2,
+    prior: float = PRIOR,
+    level: float = 0.95,
+    effective: Optional[float] = None,
 ) -> Interval:
-    """The posterior of a share after `count` of `total`; of one label among `values` it is the Dirichlet's margin."""
-    a = count + prior
-    b = total - count + (values - 1) * prior
-    return Interval(
-        a / (a + b), stats.beta.ppf((1 - level) / 2, a, b), stats.beta.ppf((1 + level) / 2, a, b)
-    )
+    """The posterior of a share after `count` of `total`; of one label among `values` it is the Dirichlet's margin.
+
+    @param effective  how many independent trials these tell as much as, (0, total]: widens the interval about the mean
+    """
+    mean = (count + prior) / (total + values * prior)
+    size = total if effective is None else effective
+    hits = size * (count / total if total else 0.0)
+    a = hits + prior
+    b = size - hits + (values - 1) * prior
+    low, high = (stats.beta.ppf((1 + side * level) / 2, a, b) for side in (-1, 1))
+    return Interval(mean, min(mean, low), max(mean, high))
+
+
+def effective_size(trials: Trials) -> float:
+    """How many independent trials these tell as much as, since those of one visit resemble each other.
+
+    Trials by the design effect of the share's variance between visits, at least 1, and by what few visits leave
+    uncertain about that variance (Korn and Graubard 1998, Survey Methodology 24). Where all trials came out alike the
+    design effect cannot be told, and is taken for 1.
+    """
+    n = len(trials)
+    sizes: Dict[Any, List[bool]] = {}
+    for number, (visit, hit) in enumerate(trials):
+        sizes.setdefault(("alone", number) if visit is None else visit, []).append(hit)
+    m = len(sizes)
+    if m == n or n == 0:
+        return float(n)
+    if m == 1:
+        return 1.0
+    p = sum(hit for _, hit in trials) / n
+    effect = 1.0
+    if 0.0 < p < 1.0:
+        between = sum((sum(hits) - p * len(hits)) ** 2 for hits in sizes.values())
+        effect = max(1.0, m / (m - 1) * between / (n * p * (1 - p)))
+    few = stats.t.ppf(0.975, n - 1) / stats.t.ppf(0.975, m - 1)
+    return float(max(1.0, n / effect * few**2))
 
 
 @dataclass
@@ -68,16 +109,26 @@ class Sensor:
     false_negative: int = 0
     false_positive: int = 0
     true_negative: int = 0
+    trials: Dict[bool, List[Tuple[Optional[int], bool]]] = field(default_factory=dict)  # by truth
 
-    def add(self, observed: Observed) -> None:
+    def add(self, observed: Observed, visit: Optional[int] = None) -> None:
         """Count one observation."""
         self.tells_value = observed.tells_value
+        self.trials.setdefault(observed.truth, []).append((visit, observed.said))
         if observed.truth:
             self.true_positive += observed.said
             self.false_negative += not observed.said
         else:
             self.false_positive += observed.said
             self.true_negative += not observed.said
+
+    def interval(self, truth: bool) -> Interval:
+        """The posterior of Pr(yes) where it is so, or where it is not; of a law that tells a value, of its being right."""
+        yes = self.true_positive if truth else self.false_positive
+        no = self.false_negative if truth else self.true_negative
+        trials = self.trials.get(truth, [])
+        whole = len(trials) == yes + no
+        return share(yes, yes + no, effective=effective_size(trials) if whole else None)
 
     @property
     def total(self) -> int:
@@ -125,6 +176,7 @@ class Counts:
     sensors: Dict[str, Sensor] = field(default_factory=dict)
     durations: Durations = field(default_factory=Durations)
     unexplained: int = 0  # possible trials whose result is none of the action's outcomes
+    trials: List[Tuple[Optional[int], str]] = field(default_factory=list)  # visit and outcome
 
     def add(self, attempt: Attempt, labels: Sequence[str]) -> None:
         """Count one attempt. @param labels  of the action's outcomes, all of which get a count"""
@@ -137,9 +189,37 @@ class Counts:
             self.unexplained += 1
         elif labels:
             self.outcomes[attempt.outcome] += 1
+            self.trials.append((attempt.visit, attempt.outcome))
         for observed in attempt.observed:
-            self.sensors.setdefault(observed.fluent, Sensor()).add(observed)
+            self.sensors.setdefault(observed.fluent, Sensor()).add(observed, attempt.visit)
         self.durations.carried_out.append((attempt.metres or 0.0, attempt.duration_s))
+
+    def interval(self, label: str) -> Interval:
+        """The posterior of an outcome's probability."""
+        total = sum(self.outcomes.values())
+        trials = [(visit, outcome == label) for visit, outcome in self.trials]
+        effective = effective_size(trials) if len(trials) == total else None
+        return share(self.outcomes[label], total, len(self.outcomes), effective=effective)
+
+    def intervals(self) -> Dict[str, Tuple[Interval, int]]:
+        """What was learned by name, with the number of trials; what was not tried is left out."""
+        found: Dict[str, Tuple[Interval, int]] = {}
+        total = sum(self.outcomes.values())
+        for label in self.outcomes if total else ():
+            found[label] = (self.interval(label), total)
+        for fluent, sensor in self.sensors.items():
+            for truth, name in ((True, "where it is so"), (False, "where it is not")):
+                if sensor.tells_value and not truth:
+                    continue
+                size = (
+                    sensor.true_positive + sensor.false_negative
+                    if truth
+                    else sensor.false_positive + sensor.true_negative
+                )
+                if size:
+                    what = "right" if sensor.tells_value else f"yes {name}"
+                    found[f"{fluent}, {what}"] = (sensor.interval(truth), size)
+        return found
 
 
 class AttemptLog:
@@ -205,6 +285,18 @@ def read_attempts(path: Path) -> List[Attempt]:
     return attempts
 
 
+def joined(parts: Sequence[Sequence[Attempt]]) -> List[Attempt]:
+    """The attempts of several training phases as those of one: their visits stay apart."""
+    result: List[Attempt] = []
+    for attempts in parts:
+        first = 1 + max((attempt.visit or 0 for attempt in result), default=0)
+        result += [
+            attempt if attempt.visit is None else replace(attempt, visit=first + attempt.visit)
+            for attempt in attempts
+        ]
+    return result
+
+
 def _same_run(content: Any, about: Dict[str, Any], path: Path) -> None:
     found = content.get("about") if isinstance(content, dict) else None
     if found != about:
@@ -228,6 +320,7 @@ def _attempt(content: Any, where: str) -> Attempt:
             ),
             float(content["duration_s"]),
             None if content.get("metres") is None else float(content["metres"]),
+            None if content.get("visit") is None else int(content["visit"]),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise Kr3Error(f"{where}: not an attempt: missing or malformed {error}") from error
@@ -245,5 +338,11 @@ def count(attempts: Iterable[Attempt], labels: Dict[str, List[str]]) -> Dict[str
 
 
 def agree(first: Interval, second: Interval) -> bool:
-    """Whether two estimates of the same number are within each other's reach: their intervals overlap."""
-    return first.low <= second.high and second.low <= first.high
+    """Whether two estimates may be of the same number: the interval of their difference holds 0.
+
+    Source: Newcombe (1998, Statistics in Medicine 17), method 10: stricter than intervals that overlap.
+    """
+    difference = first.mean - second.mean
+    low = difference - math.hypot(first.mean - first.low, second.high - second.mean)
+    high = difference + math.hypot(first.high - first.mean, second.mean - second.low)
+    return low <= 0.0 <= high

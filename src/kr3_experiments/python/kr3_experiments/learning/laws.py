@@ -149,6 +149,19 @@ class LowLevel:
                 return False
         return True
 
+    def conditions(self, action: GroundAction) -> List[str]:
+        """The ground fluents that decide whether the action is possible, as far as its arguments name them."""
+        found: List[str] = []
+        for head, condition in self._conditions:
+            values = dict(zip(head.arguments, action.arguments))
+            for literal in condition:
+                if head.name != action.name or isinstance(literal.left, str):
+                    continue
+                free = [a for a in literal.left.arguments if a[0].isupper() and a not in values]
+                if not free and (name := literal.left.under(values)) not in found:
+                    found.append(name)
+        return found
+
     def outcome(self, action: GroundAction, after: State) -> str:
         """The label of what happened: of the effect that holds, else of the one that promises nothing definite.
 

@@ -3,12 +3,12 @@ import datetime
 import os
 import re
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import yaml
 
 from kr3_experiments.errors import Kr3Error
-from kr3_experiments.learning.counts import PRIOR, Attempt, Counts, Sensor, share
+from kr3_experiments.learning.counts import PRIOR, Attempt, Counts, Interval, Sensor, agree, share
 from kr3_experiments.learning.laws import LowLevel
 
 Models = Dict[str, Any]
@@ -242,15 +242,20 @@ def table(counts: Mapping[str, Counts]) -> List[str]:
     for name, counted in counts.items():
         total = sum(counted.outcomes.values())
         for label, number in counted.outcomes.items():
-            lines.append(_row(f"{name}: {label}", number, total, len(counted.outcomes)))
+            interval = counted.interval(label) if total else None
+            lines.append(_row(f"{name}: {label}", number, total, interval))
         for fluent, sensor in counted.sensors.items():
             positives = sensor.true_positive + sensor.false_negative
             negatives = sensor.false_positive + sensor.true_negative
             what = "right" if sensor.tells_value else "yes where it is so"
-            lines.append(_row(f"{name}: {fluent}, {what}", sensor.true_positive, positives))
+            interval = sensor.interval(True)
+            lines.append(
+                _row(f"{name}: {fluent}, {what}", sensor.true_positive, positives, interval)
+            )
             if not sensor.tells_value:
+                what, interval = "yes where it is not", sensor.interval(False)
                 lines.append(
-                    _row(f"{name}: {fluent}, yes where it is not", sensor.false_positive, negatives)
+                    _row(f"{name}: {fluent}, {what}", sensor.false_positive, negatives, interval)
                 )
             if positives > 0 and negatives > 0 and not usable(sensor):
                 lines.append(f"{name}: {fluent} says no more than chance: its numbers stay")
@@ -267,8 +272,27 @@ def table(counts: Mapping[str, Counts]) -> List[str]:
     return lines
 
 
-def _row(what: str, number: int, total: int, values: int = 2) -> str:
-    if total == 0:
+def _row(what: str, number: int, total: int, interval: Optional[Interval]) -> str:
+    if total == 0 or interval is None:
         return f"{what:<44} not tried"
-    interval = share(number, total, values)
     return f"{what:<44} {interval.mean:.3f} [{interval.low:.3f}, {interval.high:.3f}]  ({number} of {total})"
+
+
+def agreement(
+    first: Mapping[str, Counts], second: Mapping[str, Counts]
+) -> Tuple[List[str], List[str]]:
+    """Compare what two training phases learned. @return lines for people, and what disagrees"""
+    lines, apart = [], []
+    for name in [name for name in first if name in second]:
+        ours, theirs = first[name].intervals(), second[name].intervals()
+        for what in [what for what in ours if what in theirs]:
+            (one, n), (other, m) = ours[what], theirs[what]
+            same = agree(one, other)
+            if not same:
+                apart.append(f"{name}: {what}")
+            lines.append(
+                f"{name + ': ' + what:<44} {one.mean:.3f} [{one.low:.3f}, {one.high:.3f}] of {n}"
+                f" and {other.mean:.3f} [{other.low:.3f}, {other.high:.3f}] of {m}:"
+                f" {'agree' if same else 'DISAGREE'}"
+            )
+    return lines, apart

@@ -1,7 +1,7 @@
 """Which trial comes next, and what it told. Knows no ROS: the robot, or a simulation of one, is a `Trainee`."""
 import random
-from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Mapping, Optional, Protocol, Sequence, Tuple
+from dataclasses import dataclass, replace
+from typing import Any, Callable, Dict, List, Mapping, Optional, Protocol, Sequence, Set, Tuple
 
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.learning.bindings import Binding
@@ -106,6 +106,30 @@ class Curriculum:
         leading = [a for a in possible if self._leads(a, state, most)]
         return self._least_tried(leading or here)
 
+    def enquiry(
+        self, action: GroundAction, state: State, known: Set[str]
+    ) -> Optional[GroundAction]:
+        """What the robot should ask before it acts, as it does in missions: whether a condition of the action is so.
+
+        Without it an action would also fail because the robot does not know where things are, and would be learned as
+        worse than it is where a policy uses it.
+
+        @param known  ground fluents about which it was said that they are so
+        @return None: nothing of the action's conditions is to be asked, or can be now
+        """
+        for fluent in self._laws.conditions(action):
+            if fluent in known or not isinstance(state.get(fluent), str):
+                continue
+            for other in self._actions:
+                law = self._asking_law(other.name)
+                if law is None or other.name == action.name:
+                    continue
+                values = dict(zip(law[0].arguments, other.arguments))
+                asks = (law[1].under(values), values.get(law[2] or "", law[2]))
+                if asks == (fluent, state[fluent]) and self._laws.possible(other, state):
+                    return other
+        return None
+
     def _least_tried(self, actions: Sequence[GroundAction]) -> GroundAction:
         least = min(self._of_arguments.get((a.name, a.arguments), 0) for a in actions)
         return self._random.choice(
@@ -114,6 +138,11 @@ class Curriculum:
 
     def _need(self, stratum: Stratum) -> int:
         return self._wanted - self._done.get(stratum, 0)
+
+    def asked(self, action: GroundAction) -> List[str]:
+        """The ground fluent that an action asks about."""
+        law = self._asking_law(action.name)
+        return [law[1].under(dict(zip(law[0].arguments, action.arguments)))] if law else []
 
     def _asking_law(self, name: str) -> Optional[Tuple[Atom, Atom, Optional[str]]]:
         """(head, fluent, value) of the first noisy law that asks whether something is so."""
@@ -191,6 +220,13 @@ def attempt_of(
     )
 
 
+def moved(before: State, after: State) -> bool:
+    """Whether a fluent has another value, which begins a new visit. Truths may change within one."""
+    return any(
+        isinstance(value, str) and before.get(fluent) != value for fluent, value in after.items()
+    )
+
+
 def _repeated(actions: Sequence[GroundAction]) -> List[GroundAction]:
     """Those that were done twice: more of the same in the same state would tell of that state only."""
     return [action for action in set(actions) if actions.count(action) > 1]
@@ -211,11 +247,18 @@ def train(
     """
     for attempt in log.attempts:
         curriculum.record(attempt)
+    visit = 1 + max((attempt.visit or 0 for attempt in log.attempts), default=0)
     failed: List[GroundAction] = []
     idle: List[GroundAction] = []  # since the state last changed
+    known: Set[str] = set()  # said to be so since then
+    in_vain: List[GroundAction] = []  # asked about since then, and said not to be so
     while curriculum.left() > 0:
         before = trainee.truth()
-        action = curriculum.next(before, [*failed, *_repeated(idle)])
+        wanted = curriculum.next(before, [*failed, *in_vain, *_repeated(idle)])
+        enquiry = curriculum.enquiry(wanted, before, known)
+        if enquiry is not None and wanted in in_vain:
+            enquiry = None  # nothing else is possible
+        action = enquiry or wanted
         try:
             outcome = trainee.execute(action, before)
             after = trainee.truth()
@@ -231,7 +274,16 @@ def train(
                 ) from error
             continue
         failed = []
-        idle = [] if before != after else [*idle, action]
+        if before != after:
+            idle, known, in_vain = [], set(), []
+        else:
+            idle.append(action)
+            if any(o.said and o.truth and not o.tells_value for o in attempt.observed):
+                known.update(curriculum.asked(action))
+            elif enquiry is not None:
+                in_vain.append(wanted)
+        attempt = replace(attempt, visit=visit)
+        visit += moved(before, after)
         log.add(attempt)
         curriculum.record(attempt)
         said = ", ".join(
