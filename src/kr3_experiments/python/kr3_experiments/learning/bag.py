@@ -1,8 +1,9 @@
 """Attempts, and pictures of looks, from a recorded bag."""
+import bisect
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Optional, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple
 
 import rosbag
 from kr3_msgs.msg import Status
@@ -14,11 +15,15 @@ from kr3_experiments.learning.laws import GroundAction, State
 from kr3_experiments.learning.models_file import noisy_fluents
 from kr3_experiments.learning.robot import Distances, cells_of, snapshot_of
 from kr3_experiments.learning.session import Lesson
-from kr3_experiments.learning.trials import Outcome, attempt_of
+from kr3_experiments.learning.trials import Outcome, attempt_of, moved
 from kr3_experiments.learning.truth import components
 
 _LOOKS = "looks/image/compressed"
+_PICTURE_EARLIER_S, _PICTURE_LATER_S = 0.5, 3.0  # than the end of its look
 _TRUTH_LATER_S = 1.6  # ground truth comes once a second, and after changes
+
+
+Timed = List[Tuple[float, Any]]  # messages with their times in s, in order
 
 
 @dataclass(frozen=True)
@@ -72,31 +77,41 @@ def attempts_from_bag(path: Path, lesson: Lesson) -> Tuple[List[Attempt], int]:
 
     @throws Kr3Error  a bag without cells or ground truth
     """
-    truth = lesson.truth()
     cells = None
-    pose = None
-    states: List[Tuple[float, State]] = []
-    areas = []
+    poses: Timed = []  # of the ground truth, or else the robot's own estimate
+    estimates: Timed = []
+    models: Timed = []
     for topic, message, time_s in _messages(
         path, ["cells", "ground_truth/models", "ground_truth/pose", "pose"]
     ):
         if topic == "cells":
-            cells, areas = message, cells_of(message)
-        elif topic in ("ground_truth/pose", "pose"):  # the latter is the robot's own estimate
-            pose = message
-        elif topic == "ground_truth/models" and pose is not None and areas:
-            states.append((time_s, truth.state(snapshot_of(message, pose, truth.robot), areas)))
-    if cells is None or not states:
+            cells = message
+        else:
+            kept = {"ground_truth/models": models, "ground_truth/pose": poses, "pose": estimates}
+            kept[topic].append((time_s, message))
+    poses = poses or estimates
+    if cells is None or not models or not poses:
         raise Kr3Error(
             f"{path}: it holds no cells or no ground truth, so that nothing can be judged"
         )
+    areas = cells_of(cells)
+    truth = lesson.truth()
+
+    def state(find: Callable[[Timed, float], Any], time_s: float) -> Optional[State]:
+        """Bodies are reported now and then, the robot all the time: it may drive on before the next report."""
+        bodies, pose = find(models, time_s), find(poses, time_s)
+        if bodies is None or pose is None:
+            return None
+        return truth.state(snapshot_of(bodies, pose, truth.robot), areas)
+
     laws = lesson.laws(components(areas))
     distances = Distances(lesson.entries, lesson.keys)
     attempts: List[Attempt] = []
     skipped = 0
+    visit = 1
     for done in skills_done(path, lesson):
-        before = _last(states, done.started_s)
-        after = _first(states, done.ended_s)
+        before = state(_last, done.started_s)
+        after = state(_first, done.ended_s)
         action = done.action
         if before is None or after is None or action.name not in lesson.entries:
             skipped += 1
@@ -107,20 +122,26 @@ def attempts_from_bag(path: Path, lesson: Lesson) -> Tuple[List[Attempt], int]:
             done.result.duration_s,
             distances.metres(action, before, cells),
         )
-        attempts.append(
-            attempt_of(
-                laws, lesson.entries[action.name], done.binding, action, before, after, outcome
-            )
+        attempt = attempt_of(
+            laws, lesson.entries[action.name], done.binding, action, before, after, outcome
         )
+        attempts.append(replace(attempt, visit=visit))
+        visit += moved(before, after)
     return attempts, skipped
 
 
-def _last(states: List[Tuple[float, State]], time_s: float) -> Optional[State]:
-    return next((state for at, state in reversed(states) if at <= time_s), None)
+def _last(messages: Timed, time_s: float) -> Any:
+    """The last message up to a time; None: there is none."""
+    at = bisect.bisect_right(messages, time_s, key=lambda entry: entry[0])
+    return messages[at - 1][1] if at > 0 else None
 
 
-def _first(states: List[Tuple[float, State]], time_s: float) -> Optional[State]:
-    return next((state for at, state in states if time_s <= at <= time_s + _TRUTH_LATER_S), None)
+def _first(messages: Timed, time_s: float) -> Any:
+    """The first message from a time on; None: there is none soon enough."""
+    at = bisect.bisect_left(messages, time_s, key=lambda entry: entry[0])
+    if at == len(messages) or messages[at][0] > time_s + _TRUTH_LATER_S:
+        return None
+    return messages[at][1]
 
 
 def export_looks(path: Path, lesson: Lesson, folder: Path) -> int:
@@ -130,12 +151,16 @@ def export_looks(path: Path, lesson: Lesson, folder: Path) -> int:
     lines: List[str] = []
     for done in skills_done(path, lesson):
         asked = noisy_fluents(lesson.entries.get(done.action.name, {}))
-        picture = next(
-            (message for at, message in pictures if done.ended_s - 0.5 <= at <= done.ended_s + 3.0),
-            None,
-        )
-        if not asked or picture is None:
+        near = [
+            entry
+            for entry in pictures
+            if done.ended_s - _PICTURE_EARLIER_S <= entry[0] <= done.ended_s + _PICTURE_LATER_S
+        ]
+        if not asked or not near:
             continue
+        chosen = min(near, key=lambda entry: abs(entry[0] - done.ended_s))
+        pictures.remove(chosen)  # of one look only: the next one may have ended soon after
+        picture = chosen[1]
         name = f"{len(lines):05d}.jpg"
         (folder / name).write_bytes(picture.data)
         lines.append(
