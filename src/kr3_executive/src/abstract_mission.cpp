@@ -43,23 +43,18 @@ public:
   {
   }
 
-  [[nodiscard]] Interest interest() const override
-  {
-    Interest interest = next_.interest();
-    interest.snapshots = true;
-    return interest;
-  }
+  [[nodiscard]] Interest interest() const override { return next_.interest(); }
   void onEvent(const ReportedEvent& event) override { next_.onEvent(event); }
   void onBelief(const ReportedBelief& belief) override { next_.onBelief(belief); }
   void onInput(const Input& input) override { next_.onInput(input); }
   void onDecision(const ReportedDecision& decision) override { next_.onDecision(decision); }
-  void onSnapshot(const Snapshot& snapshot) override
+  void onSnapshot(const Snapshot& snapshot) override { next_.onSnapshot(snapshot); }
+  void onPolicy(const SolvedPolicy& policy) override { next_.onPolicy(policy); }
+  void onRecords(const std::vector<reasoner::Record>& records) override
   {
-    for (; seen_ < snapshot.history.size(); ++seen_)
-      count(snapshot.history[seen_]);
-    seen_ = snapshot.history.size();  // records may have been taken back
-    if (next_.interest().snapshots)
-      next_.onSnapshot(snapshot);
+    for (const auto& record : records)
+      count(record);
+    next_.onRecords(records);
   }
 
   RefutationCount refutations;
@@ -83,7 +78,6 @@ private:
   const reasoner::Description& high_level_;
   const AbstractWorld& world_;
   double threshold_;
-  std::size_t seen_ = 0;
 };
 
 const reasoner::Literal* firstValued(const reasoner::Formula& goal)
@@ -129,7 +123,10 @@ std::map<std::string, ContentCacheStats> AbstractMissions::cacheStats() const
 {
   const ReasonerCache& answers = *shared_->answers;
   const PlanCosts& costs = *shared_->costs;
-  return {{"plans", answers.plans.stats()},
+  return {{"situations", answers.situations.stats()},
+          {"values", answers.values.stats()},
+          {"situation plans", answers.situation_plans.stats()},
+          {"plans", answers.plans.stats()},
           {"diagnoses", answers.diagnoses.stats()},
           {"explanations", answers.explanations.stats()},
           {"retractions", answers.retractions.stats()},

@@ -127,6 +127,7 @@ void CachedReasoner::restart(ConfidenceMatch match)
 {
   match_ = match;
   told_.clear();
+  present_.reset();
   step_ = 0;
   if (!is_long_)
     return;
@@ -159,24 +160,21 @@ void CachedReasoner::tell(const std::vector<Record>& records, bool anew)
   step_ = std::max(anew ? 0 : step_, currentStep(records));
   told_.push_back(
       {records, anew, extended(exact, records, true), extended(below_one, records, false)});
-  const bool certain = std::all_of(records.begin(), records.end(), [](const Record& record) {
-    return record.confidence > 0.0 && record.confidence <= 1.0;
-  });
-  const Fingerprint& key = told_.back().below_one;
-  const bool taken = certain && cache_->histories.find(key);
-  const int window = static_cast<int>(settings_.history_window);
-  const bool becomes_long = !is_long_ && window > 0 && step_ > window * 3 / 2;
-  if (taken && !is_long_ && !becomes_long)
-    return;
   try
   {
-    if (becomes_long)
-      becomeLong();
-    else
-      static_cast<void>(current());
+    if (match_ == ConfidenceMatch::kBelowOne)
+    {
+      if (!situations_)
+        situations_ = std::make_unique<reasoner::Situations>(description_, settings_.options);
+      situations_->check(records);
+      follow(records, anew);
+    }
+    if (!present_)
+      tellWhole(told_.back().below_one);
   }
   catch (...)
   {
+    present_.reset();
     if (anew)
       told_ = std::move(before);
     else
@@ -184,8 +182,32 @@ void CachedReasoner::tell(const std::vector<Record>& records, bool anew)
     step_ = step_before;
     throw;
   }
+}
+
+void CachedReasoner::tellWhole(const Fingerprint& key)
+{
+  const auto& records = told_.back().records;
+  const bool certain = std::all_of(records.begin(), records.end(), [](const Record& record) {
+    return record.confidence > 0.0 && record.confidence <= 1.0;
+  });
+  const bool taken = certain && cache_->histories.find(key);
+  if (taken && !is_long_ && !isLong())
+    return;
+  static_cast<void>(current());
   if (!is_long_)
     cache_->histories.keep(key, true, sizeof(bool));
+}
+
+bool CachedReasoner::isLong() const
+{
+  const int window = static_cast<int>(settings_.history_window);
+  return window > 0 && step_ > window * 3 / 2;
+}
+
+void CachedReasoner::becomeLongIfDue()
+{
+  if (!is_long_ && isLong())
+    becomeLong();
 }
 
 void CachedReasoner::becomeLong()
@@ -199,6 +221,7 @@ void CachedReasoner::becomeLong()
 
 InProcessReasoner& CachedReasoner::current()
 {
+  becomeLongIfDue();
   const bool follows = applied_.size() <= told_.size() &&
                        std::equal(applied_.begin(), applied_.end(), told_.begin(),
                                   [](const Fingerprint& applied, const Told& told) {
@@ -220,7 +243,11 @@ InProcessReasoner& CachedReasoner::current()
 
 std::shared_ptr<InProcessReasoner> CachedReasoner::unbiased()
 {
-  return is_long_ ? reasoner_ : fresh();
+  becomeLongIfDue();
+  if (!is_long_)
+    return fresh();
+  static_cast<void>(current());
+  return reasoner_;
 }
 
 std::shared_ptr<InProcessReasoner> CachedReasoner::fresh() const
@@ -268,6 +295,7 @@ template <typename Value, typename Compute, typename SizeOf>
 Value CachedReasoner::answer(ContentCache<Value>& cache, const Fingerprint& key,
                              const Compute& compute, const SizeOf& size_of)
 {
+  becomeLongIfDue();
   if (is_long_)
     return compute();
   if (const auto known = cache.find(key))
@@ -284,8 +312,23 @@ reasoner::Diagnosis CachedReasoner::diagnose()
       [](const reasoner::Diagnosis& diagnosis) { return sizeOf(diagnosis); });
 }
 
+reasoner::Diagnosis CachedReasoner::minimalExplanations()
+{
+  return answer(
+      cache_->diagnoses, keyOf("explanations", {}, 0, false),
+      [&] { return current().minimalExplanations(); },
+      [](const reasoner::Diagnosis& diagnosis) { return sizeOf(diagnosis); });
+}
+
+bool CachedReasoner::isConsistent()
+{
+  return valuesAt(step_) != nullptr || minimalExplanations().consistent;
+}
+
 reasoner::Answer CachedReasoner::entails(const std::string& literal, int step)
 {
+  if (const auto known = answerAt(literal, step))
+    return *known;
   return answer(
       cache_->answers, keyOf("entails", literal, step, false),
       [&] { return current().entails(literal, step); },
@@ -294,6 +337,8 @@ reasoner::Answer CachedReasoner::entails(const std::string& literal, int step)
 
 bool CachedReasoner::possible(const std::string& literal, int step)
 {
+  if (const auto known = answerAt(literal, step))
+    return *known != reasoner::Answer::kFalse;
   const auto answered = answer(
       cache_->answers, keyOf("possible", literal, step, false),
       [&] {
@@ -305,6 +350,13 @@ bool CachedReasoner::possible(const std::string& literal, int step)
 
 std::vector<std::string> CachedReasoner::entailedAt(int step)
 {
+  if (const auto* values = valuesAt(step))
+  {
+    std::vector<std::string> literals;
+    for (const auto& literal : situations_->entailed(*values))
+      literals.push_back(reasoner::toString(literal));
+    return literals;
+  }
   return answer(
       cache_->entailed, keyOf("entailed", {}, step, false),
       [&] { return current().entailedAt(step); },
@@ -325,6 +377,7 @@ bool CachedReasoner::cite(reasoner::Explanation& explanation) const
 
 reasoner::Explanation CachedReasoner::explain(const std::string& literal, int step)
 {
+  becomeLongIfDue();
   const Fingerprint key = keyOf("explain", literal, step, false);
   const auto known = is_long_ ? nullptr : cache_->explanations.find(key);
   if (known)
@@ -345,6 +398,11 @@ reasoner::Explanation CachedReasoner::explain(const std::string& literal, int st
 
 std::vector<reasoner::Retraction> CachedReasoner::retractions(const std::string& literal, int step)
 {
+  // Nothing has to be given up for what is so already.
+  if (literal.empty()
+          ? valuesAt(step_) != nullptr
+          : answerAt(literal, step).value_or(reasoner::Answer::kFalse) != reasoner::Answer::kFalse)
+    return {};
   return answer(
       cache_->retractions, keyOf("retractions", literal, step, true),
       [&] { return unbiased()->retractions(literal, step); },
@@ -360,6 +418,9 @@ std::vector<reasoner::Retraction> CachedReasoner::retractions(const std::string&
 reasoner::PlanResult CachedReasoner::plan(const std::string& goal, std::uint32_t max_plans,
                                           const std::atomic<bool>& cancel)
 {
+  if (auto known = situationPlan(goal, max_plans, cancel))
+    return std::move(*known);
+  becomeLongIfDue();
   const Fingerprint key = keyOf("plan", goal, static_cast<int>(max_plans), false);
   if (const auto known = is_long_ ? nullptr : cache_->plans.find(key))
     return *known;

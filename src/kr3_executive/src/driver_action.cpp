@@ -48,6 +48,7 @@ SolvedPolicy MissionDriver::solvePolicy(const std::string& action)
 {
   const SolvedPolicy policy = policies_.solve(task_->pomdp().model(), config_.budget, cancel_);
   policy_id_ = policy.id;
+  observer_.onPolicy(policy);
   note([&] {
     ReportedDecision decision = reported(action, policy, task_->belief());
     decision.cut_short = policy.isCutShort(config_.budget);

@@ -72,6 +72,7 @@ void MissionDriver::addToHistory(const std::vector<Record>& records)
   }
   knowledge_.history = std::move(all);
   supports_.clear();
+  observer_.onRecords(records);
 }
 
 int MissionDriver::sumUpHistory()
@@ -144,6 +145,12 @@ Event MissionDriver::performRecords(const std::vector<Record>& records)
 
 Event MissionDriver::performDiagnosis()
 {
+  if (!interest_.narration && !interest_.log)
+  {
+    surprises_.clear();
+    surprised_fluents_.clear();
+    return DiagnosisReady{reasoner_.isConsistent()};
+  }
   const reasoner::Diagnosis diagnosis = reasoner_.diagnose();
   note([&] { return reported(diagnosis); });
   const std::vector<std::string> known = std::exchange(exceptions_, {});

@@ -188,7 +188,7 @@ double MissionDriver::surpriseWithout(const std::vector<std::size_t>& records)
       rest.push_back(knowledge_.history[i]);
   }
   reasoner_.setHistory(rest);
-  const reasoner::Diagnosis diagnosis = reasoner_.diagnose();
+  const reasoner::Diagnosis diagnosis = reasoner_.minimalExplanations();
   if (!diagnosis.consistent)
     return std::numeric_limits<double>::infinity();
   double sum = 0.0;
@@ -253,7 +253,9 @@ Event MissionDriver::performReopen()
       return narration;
     });
   }
-  const reasoner::Diagnosis diagnosis = reasoner_.diagnose();
+  if (!interest_.narration)
+    return RefutationReopened{true};
+  const reasoner::Diagnosis diagnosis = reasoner_.minimalExplanations();
   exceptions_ = diagnosis.consistent && !diagnosis.explanations.empty()
                     ? diagnosis.explanations.front()
                     : std::vector<std::string>{};

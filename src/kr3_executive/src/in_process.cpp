@@ -58,6 +58,16 @@ reasoner::Diagnosis InProcessReasoner::diagnose()
   return reasoner_.diagnose();
 }
 
+reasoner::Diagnosis InProcessReasoner::minimalExplanations()
+{
+  return reasoner_.minimalExplanations();
+}
+
+bool InProcessReasoner::isConsistent()
+{
+  return reasoner_.isConsistent();
+}
+
 reasoner::Answer InProcessReasoner::entails(const std::string& literal, int step)
 {
   return reasoner_.entails(literal, step);

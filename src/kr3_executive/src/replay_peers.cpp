@@ -35,6 +35,12 @@ void InterruptedReasoner::addRecords(const std::vector<reasoner::Record>& record
   InProcessReasoner::addRecords(records);
 }
 
+reasoner::Diagnosis InterruptedReasoner::minimalExplanations()
+{
+  interruption_.raise();
+  return InProcessReasoner::minimalExplanations();
+}
+
 reasoner::Diagnosis InterruptedReasoner::diagnose()
 {
   interruption_.raise();

@@ -36,20 +36,18 @@ double cpuSeconds()
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Which policies a mission used, and what solving them took. Reads no words: they cost time.
+/// Which policies a mission used, and what solving them took. Wants nothing else: words cost time.
 class PolicyNotes : public executive::MissionObserver
 {
 public:
-  [[nodiscard]] executive::Interest interest() const override { return {false, true, false}; }
+  [[nodiscard]] executive::Interest interest() const override { return {false, false, false}; }
   void onEvent(const executive::ReportedEvent& /*event*/) override {}
   void onBelief(const executive::ReportedBelief& /*belief*/) override {}
   void onSnapshot(const executive::Snapshot& /*snapshot*/) override {}
-  void onDecision(const executive::ReportedDecision& decision) override
+  void onPolicy(const executive::SolvedPolicy& policy) override
   {
-    if (!decision.policy)
-      return;
-    policies.push_back(decision.policy->id);
-    backups += decision.policy->backups;
+    policies.push_back(policy.id);
+    backups += policy.backups;
   }
 
   std::vector<std::string> policies;
@@ -110,11 +108,15 @@ void run(const experiments::TrialJob& job, Laboratory& laboratory)
     std::cout << experiments::rowOf(job, trial, result, notes.policies, notes.backups) << '\n';
   }
   const executive::PolicyCacheStats after = missions.policyStats();
+  json caches = json::object();  // since the missions were made
+  for (const auto& [name, stats] : missions.cacheStats())
+    caches[name] = {stats.hits, stats.misses};
   const json end{{"job", job.id},
                  {"done", true},
                  {"cpu_s", cpuSeconds() - start_s},
                  {"policy_hits", after.hits + after.disk_hits - before.hits - before.disk_hits},
-                 {"policy_misses", after.misses - before.misses}};
+                 {"policy_misses", after.misses - before.misses},
+                 {"caches", caches}};
   std::cout << end << std::endl;
 }
 

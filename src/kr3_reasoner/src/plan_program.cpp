@@ -179,11 +179,71 @@ bool PlanProgram::isDecided() const
   return isConstant(goalAt(goal_, start_, sink));
 }
 
-bool PlanProgram::surelyWorks(const PlanSteps& steps)
+StateLiterals PlanProgram::startUnder(const OpenValues& hypothesis)
 {
-  const std::optional<StateLiterals> state = stateAfter(steps, start_, dynamics_);
+  if (hypothesis.empty())
+  {
+    return start_;
+  }
+  StateLiterals known = start_;
+  for (std::size_t f = 0; f < dynamics_.fluents().size(); ++f)
+  {
+    const GroundFluent& fluent = dynamics_.fluents()[f];
+    const std::size_t first = dynamics_.firstValue(f);
+    const auto assumed = std::find_if(hypothesis.begin(), hypothesis.end(), [&](const auto& value) {
+      return open_[open_index_.at(value.first)].name == fluent.name;
+    });
+    for (std::size_t v = 0; v < fluent.values.size(); ++v)
+    {
+      SolverLiteral& literal = known[first + v];
+      if (assumed != hypothesis.end())
+      {
+        literal = fluent.values[v] == assumed->second ? kTrueLiteral : kFalseLiteral;
+      }
+      else if (!isConstant(literal))
+      {
+        literal = PartialEvaluator::kOpen;
+      }
+    }
+  }
+  RuleSink sink;
+  return dynamics_.initialState(known, sink);
+}
+
+bool PlanProgram::surelyWorks(const PlanSteps& steps, const OpenValues& hypothesis)
+{
+  const std::optional<StateLiterals> state = stateAfter(steps, startUnder(hypothesis), dynamics_);
   RuleSink sink;
   return state && goalAt(goal_, *state, sink) == kTrueLiteral;
+}
+
+bool PlanProgram::surelyFails(const PlanSteps& steps, const OpenValues& hypothesis)
+{
+  return reasoner::surelyFails(steps, startUnder(hypothesis), dynamics_,
+                               [this](const StateLiterals& state) {
+    RuleSink sink;
+    return goalAt(goal_, state, sink);
+  });
+}
+
+bool PlanProgram::surelyOpen(const OpenValues& hypothesis)
+{
+  RuleSink sink;
+  return goalAt(goal_, startUnder(hypothesis), sink) == kFalseLiteral;
+}
+
+std::vector<std::string> PlanProgram::possibleValues(const std::string& fluent) const
+{
+  const GroundFluent& open = open_[open_index_.at(fluent)];
+  std::vector<std::string> possible;
+  for (const std::string& value : open.values)
+  {
+    if (problem_->consequences.inSome(literalOf(open, value), problem_->now))
+    {
+      possible.push_back(value);
+    }
+  }
+  return possible;
 }
 
 // ---- The goal ----

@@ -95,8 +95,17 @@ public:
   [[nodiscard]] bool isDecided() const;
 
   /// Whether the plan can be executed and reaches the goal from every state that agrees with what
-  /// is known: nothing is left to luck. Needs no solver.
-  [[nodiscard]] bool surelyWorks(const PlanSteps& steps);
+  /// is known and with the hypothesis: nothing is left to luck. Needs no solver.
+  [[nodiscard]] bool surelyWorks(const PlanSteps& steps, const OpenValues& hypothesis = {});
+
+  /// Whether it fails in each of these states. Needs no solver.
+  [[nodiscard]] bool surelyFails(const PlanSteps& steps, const OpenValues& hypothesis);
+
+  /// Whether the goal is false in each of these states. Needs no solver.
+  [[nodiscard]] bool surelyOpen(const OpenValues& hypothesis);
+
+  /// The values that an open fluent may have. @param fluent  as in OpenValues
+  [[nodiscard]] std::vector<std::string> possibleValues(const std::string& fluent) const;
 
   /// Makes plans of this length possible; lengths grow.
   void extendTo(int length);
@@ -133,6 +142,8 @@ public:
   /// Leaves the models of a hypothesis out of further proposals, or a plan out of those of a
   /// length.
   void cover(const OpenValues& hypothesis);
+  /// The same for several hypotheses, none of them empty.
+  void coverAll(const std::vector<OpenValues>& hypotheses);
   void forbid(const PlanSteps& steps, int length);
 
   static constexpr int kMaxStates = 2000;
@@ -156,6 +167,8 @@ private:
     SolverLiteral literal;
   };
 
+  /// The state that plans start from, with a hypothesis: constants for what is known then.
+  [[nodiscard]] StateLiterals startUnder(const OpenValues& hypothesis);
   void findOpenFluents();
   void findTests(const Formula& goal);
   [[nodiscard]] bool tests(const Dynamics::Action& action, const Literal& condition,

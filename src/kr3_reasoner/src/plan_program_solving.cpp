@@ -389,6 +389,23 @@ void PlanProgram::cover(const OpenValues& hypothesis)
   addConstraint(std::move(literals));
 }
 
+void PlanProgram::coverAll(const std::vector<OpenValues>& hypotheses)
+{
+  if (hypotheses.empty())
+  {
+    return;
+  }
+  is_uncovered_ = std::nullopt;
+  has_additions_ = true;
+  RuleSink sink(solver_.control());
+  for (const OpenValues& hypothesis : hypotheses)
+  {
+    Assumptions literals = {searching_};
+    assume(literals, hypothesis);
+    sink.constraint(std::move(literals));
+  }
+}
+
 void PlanProgram::forbid(const PlanSteps& steps, int length)
 {
   has_additions_ = true;

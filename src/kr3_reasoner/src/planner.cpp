@@ -4,12 +4,14 @@
 #include <ctime>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
 #include <kr3_common/error.hpp>
 
 #include "domain_knowledge.hpp"
+#include "kr3_reasoner/situation.hpp"
 #include "plan_reach.hpp"
 #include "plan_trial.hpp"
 #include "unsolvable.hpp"
@@ -209,7 +211,61 @@ private:
       result_.plans.insert(result_.plans.end(), std::make_move_iterator(plans.begin()),
                            std::make_move_iterator(plans.end()));
       program_->cover(assumed);
+      addAnalogous(*proposal, assumed);
     }
+  }
+
+  /// The same plan under other values of the one fluent that it rests on, with their names in it,
+  /// where no solver is needed to see that it works, and not without the hypothesis. Places to look
+  /// into are often alike.
+  void addAnalogous(const Proposal& proposal, const OpenValues& hypothesis)
+  {
+    if (hypothesis.size() != 1)
+    {
+      singles_.reset();
+    }
+    else if (singles_)
+    {
+      singles_->insert(hypothesis.front());
+    }
+    const bool same_fluent =
+        singles_ && std::all_of(singles_->begin(), singles_->end(), [&](const auto& single) {
+          return single.first == hypothesis.front().first;
+        });
+    if (!same_fluent || options_.all || quality_ != PlanQuality::kNone)
+    {
+      return;
+    }
+    const auto& [fluent, value] = hypothesis.front();
+    std::vector<OpenValues> covered;
+    for (const std::string& other : program_->possibleValues(fluent))
+    {
+      const OpenValues there = {{fluent, other}};
+      if (singles_->count(there.front()) > 0)
+      {
+        continue;
+      }
+      Renaming swapped;
+      swapped.set(value, other);
+      swapped.set(other, value);
+      Proposal analogous = proposal;
+      for (auto& actions : analogous.steps)
+      {
+        for (std::string& action : actions)
+        {
+          action = swapped.ofText(action);
+        }
+        std::sort(actions.begin(), actions.end());
+      }
+      if (program_->surelyOpen(there) && program_->surelyWorks(analogous.steps, there) &&
+          program_->surelyFails(analogous.steps, hypothesis))
+      {
+        result_.plans.push_back(planOf(analogous, there));
+        singles_->insert(there.front());
+        covered.push_back(there);
+      }
+    }
+    program_->coverAll(covered);
   }
 
   [[nodiscard]] Plan planOf(const Proposal& proposal, const OpenValues& hypothesis)
@@ -261,7 +317,7 @@ private:
   /// should be.
   std::optional<OpenValues> counterexample(const Proposal& proposal, const OpenValues& hypothesis)
   {
-    const bool surely_works = hypothesis.empty() && program_->surelyWorks(proposal.steps);
+    const bool surely_works = program_->surelyWorks(proposal.steps, hypothesis);
     if (!surely_works)
     {
       if (auto state = program_->failure(proposal.steps, hypothesis))
@@ -322,7 +378,8 @@ private:
       {
         std::vector<std::size_t> shorter = hypothesis;
         shorter.erase(shorter.begin() + static_cast<std::ptrdiff_t>(i));
-        if (counterexample(proposal, chosen(proposal.state, shorter)))
+        // Without any there is a counterexample: it was the first.
+        if (shorter.empty() || counterexample(proposal, chosen(proposal.state, shorter)))
         {
           ++i;
         }
@@ -351,6 +408,8 @@ private:
   std::unique_ptr<PlanProgram> program_;
   PlanReach reach_;
   PlanResult result_;
+  // The hypotheses so far, as long as each is the value of one fluent.
+  std::optional<std::set<std::pair<std::string, std::string>>> singles_{std::in_place};
   std::string unverified_;  // why a plan that may be right was not accepted
 };
 

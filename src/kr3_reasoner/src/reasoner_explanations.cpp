@@ -58,6 +58,36 @@ Diagnosis Reasoner::diagnose() const
   return diagnosis;
 }
 
+bool Reasoner::isConsistent() const
+{
+  const auto asked = impl_->ask("diagnosis");
+  return impl_->optimum().has_value();
+}
+
+Diagnosis Reasoner::minimalExplanations() const
+{
+  const auto asked = impl_->ask("diagnosis");
+  Diagnosis diagnosis;
+  const std::optional<Optimum>& optimum = impl_->optimum();
+  diagnosis.consistent = optimum.has_value();
+  if (!optimum)
+  {
+    return diagnosis;
+  }
+  diagnosis.cost = optimum->price.assumptions + optimum->price.retractions;
+  const Words words = impl_->words();
+  for (const auto& explanation :
+       explanationsOf(impl_->program(), impl_->records(), impl_->currentStep(), *optimum))
+  {
+    diagnosis.explanations.emplace_back();
+    for (const Clingo::Symbol& assumed : explanation)
+    {
+      diagnosis.explanations.back().push_back(words.statement(assumed));
+    }
+  }
+  return diagnosis;
+}
+
 Explanation Reasoner::explain(const std::string& literal, int step) const
 {
   const auto asked = impl_->ask("explanation");

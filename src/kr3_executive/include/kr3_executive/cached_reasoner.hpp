@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <kr3_reasoner/situation.hpp>
+
 #include "kr3_executive/content_cache.hpp"
 #include "kr3_executive/in_process.hpp"
 #include "kr3_executive/interfaces.hpp"
@@ -24,6 +26,10 @@ struct ReasonerCache
   ContentCache<std::vector<reasoner::Retraction>> retractions;
   ContentCache<std::vector<std::string>> entailed;  ///< at a step
   ContentCache<reasoner::Answer> answers;           ///< whether a literal is entailed, or possible
+  // By situation, for all histories that come to it.
+  ContentCache<std::optional<reasoner::RenamedSituation>> situations;  ///< the next one
+  ContentCache<std::optional<reasoner::Situations::PossibleValues>> values;
+  ContentCache<reasoner::PlanResult> situation_plans;
 };
 
 /// How confidences below 1 count when an answer is looked up.
@@ -32,7 +38,10 @@ enum class ConfidenceMatch : std::uint8_t
   kExact,
   /// Only whether they are below 1: no model, plan or reason depends on more (the retractions do,
   /// which are always looked up exactly). Where answers quote records in words, the confidences in
-  /// these words may be those of another history; Explanation::records are this one's.
+  /// these words may be those of another history; Explanation::records are this one's. What the
+  /// answers about the current step depend on is the situation there (situation.hpp): they are
+  /// looked up by that, under names that do not matter, instead of by the history. Of plans that
+  /// are equally good another one may be found then, and they come in the order of their names.
   kBelowOne,
 };
 
@@ -45,8 +54,9 @@ enum class ConfidenceMatch : std::uint8_t
 /// kept from mission to mission, and learns of the history when something has to be computed. Among
 /// equally good plans, and equally short reasons, a search picks one by what it learned earlier:
 /// these come from a new reasoner each time. From where a history is so long that it is progressed
-/// (HistoryWindow), the mission has a reasoner of its own and nothing is looked up: such histories
-/// do not repeat, and telling them anew would take longer with each step.
+/// (HistoryWindow), the mission has a reasoner of its own and nothing is looked up by the history:
+/// such histories do not repeat, and telling them anew would take longer with each step. Situations
+/// are looked up however long the history is.
 ///
 /// Not thread-safe; one instance per thread, which may share the cache.
 class CachedReasoner : public HighLevelReasoner
@@ -64,6 +74,8 @@ public:
   void setHistory(const std::vector<reasoner::Record>& records) override;
   void addRecords(const std::vector<reasoner::Record>& records) override;
   reasoner::Diagnosis diagnose() override;
+  reasoner::Diagnosis minimalExplanations() override;
+  bool isConsistent() override;
   reasoner::Answer entails(const std::string& literal, int step) override;
   bool possible(const std::string& literal, int step) override;
   std::vector<std::string> entailedAt(int step) override;
@@ -85,8 +97,32 @@ private:
     void tell(InProcessReasoner& reasoner) const;
   };
 
+  /// What the history says about the current step, by the names of `situation`.
+  struct Present
+  {
+    reasoner::Situation situation;
+    reasoner::Renaming renaming;  ///< from the history's names
+    int step = 0;
+    std::optional<reasoner::Situations::PossibleValues> values = {};  ///< by the history's names
+  };
+
   /// @throws InvalidArgument  a record does not fit the description; nothing was told then
   void tell(const std::vector<reasoner::Record>& records, bool anew);
+  void tellWhole(const Fingerprint& key);
+  /// Follows the situation as far as it can be.
+  void follow(const std::vector<reasoner::Record>& records, bool anew);
+  [[nodiscard]] bool advance(Present& present, std::vector<reasoner::Record> records);
+  void rename(Present& present, const reasoner::RenamedSituation& other) const;
+  [[nodiscard]] Fingerprint keyOf(const reasoner::Situation& situation) const;
+  /// The values at a step, when the situation is followed and that is the current step.
+  [[nodiscard]] const reasoner::Situations::PossibleValues* valuesAt(int step);
+  [[nodiscard]] std::optional<reasoner::Answer> answerAt(const std::string& literal, int step);
+  [[nodiscard]] std::optional<reasoner::PlanResult> situationPlan(const std::string& goal,
+                                                                  std::uint32_t max_plans,
+                                                                  const std::atomic<bool>& cancel);
+  /// The mission gets a reasoner of its own when the history is long.
+  void becomeLongIfDue();
+  [[nodiscard]] bool isLong() const;
   /// The reasoner that is kept, with the whole history.
   InProcessReasoner& current();
   /// A new one with the whole history, or the mission's own.
@@ -116,6 +152,8 @@ private:
   int step_ = 0;                      // current one of what was told
   bool is_long_ = false;              // the reasoner is this mission's own
   std::vector<Fingerprint> applied_;  // of the calls that reached the reasoner, by `exact`
+  std::unique_ptr<reasoner::Situations> situations_;  // made when it is first needed
+  std::optional<Present> present_;                    // while the situation is followed
 };
 
 }  // namespace kr3::executive

@@ -23,6 +23,8 @@ public:
   void setHistory(const std::vector<reasoner::Record>& records) override;
   void addRecords(const std::vector<reasoner::Record>& records) override;
   reasoner::Diagnosis diagnose() override;
+  reasoner::Diagnosis minimalExplanations() override;
+  bool isConsistent() override;
   reasoner::Answer entails(const std::string& literal, int step) override;
   bool possible(const std::string& literal, int step) override;
   std::vector<std::string> entailedAt(int step) override;

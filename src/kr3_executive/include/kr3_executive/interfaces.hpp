@@ -43,6 +43,10 @@ public:
   virtual void addRecords(const std::vector<reasoner::Record>& records) = 0;
 
   [[nodiscard]] virtual reasoner::Diagnosis diagnose() = 0;
+  /// The same without reasons and words: consistency and minimal explanations.
+  [[nodiscard]] virtual reasoner::Diagnosis minimalExplanations() { return diagnose(); }
+  /// Diagnosis::consistent alone.
+  [[nodiscard]] virtual bool isConsistent() { return minimalExplanations().consistent; }
   [[nodiscard]] virtual reasoner::Answer entails(const std::string& literal, int step) = 0;
   [[nodiscard]] virtual bool possible(const std::string& literal, int step) = 0;
   /// Entailed literals in the language, such as "loc(rob1) = office".

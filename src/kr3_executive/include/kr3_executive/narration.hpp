@@ -98,6 +98,10 @@ public:
   /// Inputs and decisions, in the order in which they were taken in and made.
   virtual void onInput(const Input& /*input*/) {}
   virtual void onDecision(const ReportedDecision& /*decision*/) {}
+  /// Records that were added to the history, where they are; whatever the interest.
+  virtual void onRecords(const std::vector<reasoner::Record>& /*records*/) {}
+  /// A policy that an action is carried out by; whatever the interest.
+  virtual void onPolicy(const SolvedPolicy& /*policy*/) {}
 };
 
 /// Puts what the executive does into words, with the phrases of the domain.

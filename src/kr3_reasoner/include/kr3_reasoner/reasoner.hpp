@@ -258,6 +258,9 @@ public:
   /// Paper, Definitions 2 and 3. @throws FailedPrecondition  the history is inconsistent
   /// (entailment only)
   [[nodiscard]] Diagnosis diagnose() const;
+  /// The same without reasons, words and conflicts: consistency, cost and explanations.
+  [[nodiscard]] Diagnosis minimalExplanations() const;
+  [[nodiscard]] bool isConsistent() const;
   [[nodiscard]] Answer entails(const std::string& literal, int step) const;
   [[nodiscard]] bool possible(const std::string& literal, int step) const;
 
