@@ -1,4 +1,4 @@
-"""`./kr3 bench experiments`: the figures of GOALS.md, section 4, from rows that are there."""
+"""`./kr3 bench experiments`: the figures of GOALS.md, section 4, from rows that are there, and trials a second."""
 import argparse
 import json
 import os
@@ -16,6 +16,8 @@ from kr3_experiments.experiment.learning import Groups
 from kr3_experiments.experiment.robot import times_of_pairs
 from kr3_experiments.experiment.rows import Row
 from kr3_experiments.experiment.sweep import commit
+from kr3_experiments.experiment.throughput import GOALS, Throughput, measure
+from kr3_experiments.experiment.worker import trials_program
 
 
 @dataclass
@@ -47,6 +49,17 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=Options.seed, help="likewise")
     parser.add_argument("--out", type=Path, help="folder of the rows (default: runs/experiments)")
     parser.add_argument("--json", type=Path, help="write the figures to this file")
+    parser.add_argument(
+        "--throughput",
+        type=int,
+        nargs="+",
+        default=[],
+        metavar="ROOMS",
+        help="run the first trials of `defaults` on floors of so many rooms, and tell how many a CPU-second are run",
+    )
+    parser.add_argument(
+        "--throughput-trials", type=int, default=200, help="of each of these (default: 200)"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -65,6 +78,11 @@ def run(args: argparse.Namespace) -> int:
         figures += found
         for figure in found:
             print(figure.line())
+    if args.throughput:
+        print(f"throughput: {args.throughput_trials} trials a point, from empty caches")
+        for point in measure(trials_program(), args.throughput, args.throughput_trials):
+            figures.append(_throughput(point))
+            print(figures[-1].line())
     if args.json:
         content = {
             "bench": "experiments",
@@ -77,6 +95,18 @@ def run(args: argparse.Namespace) -> int:
         except OSError as error:
             raise Kr3Error(f"cannot write '{args.json}': {error.strerror}") from error
     return 0 if figures else 1
+
+
+def _throughput(point: Throughput) -> Figure:
+    params = {
+        "method": point.method,
+        "rooms": point.rooms,
+        "success": round(point.successes / point.trials, 3),
+        "hits": {name: round(rate, 3) for name, rate in sorted(point.hit_rates.items())},
+    }
+    # Two processes share the work of the experiment.
+    goal = GOALS[point.method] / 2
+    return Figure("trials a CPU-second", point.rate, "1/s", goal, "higher", params)
 
 
 def _accuracy(rows: Sequence[Row]) -> List[Figure]:

@@ -1,5 +1,5 @@
 """H2: what defaults save, as the floor grows and as fewer objects obey them."""
-from typing import Any, Callable, List, Mapping, Sequence
+from typing import Any, Callable, List, Mapping, Sequence, Tuple
 
 from kr3_experiments.experiment.definition import (
     METHOD_NAMES,
@@ -47,17 +47,12 @@ class Defaults:
         places = _QUICK_ROOMS[-1] if options.quick else _SHARE_ROOMS
         settings = [(rooms, _HEADLINE) for rooms in sizes]
         settings += [(places, share) for share in shares if (places, share) not in settings]
-        return [
-            Point(
-                label={"method": method, "rooms": rooms, "share": share},
-                floor=Floor(rooms=rooms),
-                target=TargetRule(rooms=rooms, usual=_USUAL, share=share),
-                job={"method": method, "max_hl_actions": 40 + 4 * rooms},
-                seeds=options.seeds(full=10_000, quick=20),
-            )
-            for rooms, share in settings
-            for method in _METHODS
-        ]
+        return _points(options, settings)
+
+    @staticmethod
+    def headline(options: Options, sizes: Sequence[int]) -> List[Point]:
+        """The points of these sizes at the headline share."""
+        return _points(options, [(rooms, _HEADLINE) for rooms in sizes])
 
     def findings(self, rows: Sequence[Row], options: Options) -> Findings:
         """Actions and time against rooms and against q."""
@@ -140,6 +135,21 @@ class Defaults:
             f"{rooms} rooms, q = {_HEADLINE:g}: PA takes {result.ratio.text()} times the high-level actions of PA*"
             f" over {result.pairs} pairs (Wilcoxon p = {result.wilcoxon_p:.2g}): {verdict}."
         )
+
+
+def _points(options: Options, settings: Sequence[Tuple[int, float]]) -> List[Point]:
+    """@param settings  rooms and shares"""
+    return [
+        Point(
+            label={"method": method, "rooms": rooms, "share": share},
+            floor=Floor(rooms=rooms),
+            target=TargetRule(rooms=rooms, usual=_USUAL, share=share),
+            job={"method": method, "max_hl_actions": 40 + 4 * rooms},
+            seeds=options.seeds(full=10_000, quick=20),
+        )
+        for rooms, share in settings
+        for method in _METHODS
+    ]
 
 
 def _sizes(rows: Sequence[Row]) -> List[int]:
