@@ -1,12 +1,11 @@
 """`./kr3 bench experiments`: the figures of GOALS.md, section 4, from rows that are there."""
 import argparse
-import json
-import os
-import platform
 import sys
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence
+
+from kr3_common.bench_report import write_report
 
 from kr3_experiments.domain import repository_root
 from kr3_experiments.errors import Kr3Error
@@ -15,7 +14,6 @@ from kr3_experiments.experiment.definition import Options, false_declarations, s
 from kr3_experiments.experiment.learning import Groups
 from kr3_experiments.experiment.robot import times_of_pairs
 from kr3_experiments.experiment.rows import Row
-from kr3_experiments.experiment.sweep import commit
 
 
 @dataclass
@@ -66,14 +64,8 @@ def run(args: argparse.Namespace) -> int:
         for figure in found:
             print(figure.line())
     if args.json:
-        content = {
-            "bench": "experiments",
-            "commit": commit(),
-            "machine": f"{platform.node()} {platform.machine()} {os.cpu_count()} cores",
-            "rows": [asdict(figure) for figure in figures],
-        }
         try:
-            args.json.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+            write_report(args.json, "experiments", repository_root(), map(asdict, figures))
         except OSError as error:
             raise Kr3Error(f"cannot write '{args.json}': {error.strerror}") from error
     return 0 if figures else 1

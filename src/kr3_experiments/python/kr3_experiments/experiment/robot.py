@@ -87,10 +87,11 @@ class Robot:
     title = "Robot trials"
     claim = f"POMDP-1 takes {_PAPER_RATIO} times as long as PA on the robot (39 % less time, p = 0.0023)."
     protocol = (
-        "Whole missions: simulator, navigation, camera, detection, executive, each a process. Of the places that the"
-        f" scenario names the object is in the first with probability {_OBEY}, else in one of the others; world and noise"
-        " have the same seed for every method. The oracle is PA that is told the place. Missions that fail count with the"
-        f" time that they took, {_MISSION_LIMIT_S:.0f} s of simulated time at most; the ground truth decides."
+        "Whole missions: simulator, navigation, camera, detection, executive, each a process. Of the places that"
+        f" the scenario names the object is in the first with probability {_OBEY}, else in one of the others; world"
+        " and noise have the same seed for every method. The oracle is PA that is told the place. Missions that fail"
+        f" count with the time that they took, {_MISSION_LIMIT_S:.0f} s of simulated time at most; the ground truth"
+        " decides."
     )
     labels: Mapping[str, Callable[[str], Any]] = {"building": str, "method": str}
 
