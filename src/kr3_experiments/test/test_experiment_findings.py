@@ -41,8 +41,9 @@ def outcome(seed: int, success: bool = True, **more: Any) -> Dict[str, Any]:
 
 def accuracy_rows(flat_succeeds: bool) -> List[Dict[str, Any]]:
     rows = []
-    for method, budget, success in (("pa", 20_000, True), ("pomdp1", 2_000, flat_succeeds)):
-        label = {"method": method, "rooms": 2, "cells": 8, "noise": 1.0, "budget": budget}
+    for method, seconds, success in (("pa", 0.0, True), ("pomdp1", 1.0, flat_succeeds)):
+        label = {"method": method, "rooms": 2, "cells": 8, "noise": 1.0, "budget": 2_000}
+        label["seconds"] = seconds
         rows += [outcome(seed, success, **label) for seed in range(8)]
     return rows
 
@@ -150,7 +151,7 @@ def test_bad_requests_are_refused_in_words(
 
 def test_rows_of_other_points_do_not_count(tmp_path: Path) -> None:
     store = RowStore(tmp_path / "accuracy", Accuracy().labels)
-    label = {"method": "pa", "rooms": 2, "cells": 8, "noise": 1.0, "budget": 1}
+    label = {"method": "pa", "rooms": 2, "cells": 8, "noise": 1.0, "budget": 1, "seconds": 1.0}
     store.add([outcome(1, **label)])
     assert command.stored_rows(Accuracy(), QUICK, tmp_path / "accuracy") == []
 

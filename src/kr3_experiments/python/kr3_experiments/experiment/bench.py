@@ -84,19 +84,22 @@ def _accuracy(rows: Sequence[Row]) -> List[Figure]:
             figures.append(
                 Figure("PA, success", success_of(group).value, "", goal, "higher", params)
             )
-        for budget in sorted({row["budget"] for row in select(here, method="pomdp1")}):
-            flat = select(here, method="pomdp1", budget=budget)
-            behind = [
-                cells
-                for cells in sorted({row["cells"] for row in flat})
-                if success_of(select(flat, cells=cells)).high
-                < success_of(select(pa, cells=cells)).low
-            ]
-            params = {"backups": budget, "noise": noise}
-            if behind:
-                figures.append(
-                    Figure("POMDP-1 falls behind at", behind[0], "cells", None, "higher", params)
-                )
+        for method in ("pomdp1", "pomdp1_online"):
+            for seconds in sorted({row["seconds"] for row in select(here, method=method)}):
+                flat = select(here, method=method, seconds=seconds)
+                behind = [
+                    cells
+                    for cells in sorted({row["cells"] for row in flat})
+                    if success_of(select(flat, cells=cells)).high
+                    < success_of(select(pa, cells=cells)).low
+                ]
+                params = {"method": method, "cpu_s": seconds, "noise": noise}
+                if behind:
+                    figures.append(
+                        Figure(
+                            "POMDP-1 falls behind at", behind[0], "cells", None, "higher", params
+                        )
+                    )
     return figures
 
 

@@ -13,7 +13,8 @@ from kr3_experiments.experiment.statistics import Estimate, mean, share
 METHOD_NAMES = {
     "pa": "PA",
     "pa_star": "PA*",
-    "pomdp1": "POMDP-1",
+    "pomdp1": "POMDP-1 ahead",
+    "pomdp1_online": "POMDP-1 online",
     "pomdp2": "POMDP-2",
     "hierarchical": "hierarchical POMDP-1",
 }
