@@ -13,7 +13,7 @@ from kr3_experiments.experiment import bench, command, robot
 from kr3_experiments.experiment.accuracy import Accuracy
 from kr3_experiments.experiment.defaults import Defaults
 from kr3_experiments.experiment.definition import Options, Table, plot, save_figures
-from kr3_experiments.experiment.points import TargetRule
+from kr3_experiments.experiment.points import TargetRule, configurations
 from kr3_experiments.experiment.report import table_text, write_report
 from kr3_experiments.experiment.robot import Robot
 from kr3_experiments.experiment.rows import RowStore
@@ -147,6 +147,15 @@ def test_bad_requests_are_refused_in_words(
 ) -> None:
     assert main(["experiment", *arguments]) == 1
     assert what in capsys.readouterr().err
+
+
+def test_learned_numbers_make_floors_and_configurations_of_their_own(tmp_path: Path) -> None:
+    points = command._points(Accuracy(), Options(quick=True, learned=True))[:1]
+    plain = command._points(Accuracy(), QUICK)[:1]
+    learned, hand = (configurations(each, tmp_path)[0] for each in (points, plain))
+    assert "source: learned" in learned.files["models.yaml"]
+    assert "source: learned" not in hand.files["models.yaml"]
+    assert learned.digest != hand.digest
 
 
 def test_rows_of_other_points_do_not_count(tmp_path: Path) -> None:

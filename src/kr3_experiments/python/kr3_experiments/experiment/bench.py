@@ -42,6 +42,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument("--quick", action="store_true", help="rows of --quick experiments")
     parser.add_argument("--trials", type=int, default=0, help="as the experiments were run with")
+    parser.add_argument("--learned", action="store_true", help="likewise")
     parser.add_argument("--seed", type=int, default=Options.seed, help="likewise")
     parser.add_argument("--out", type=Path, help="folder of the rows (default: runs/experiments)")
     parser.add_argument("--json", type=Path, help="write the figures to this file")
@@ -49,7 +50,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """@return 1 when no experiment has rows. @throws Kr3Error  the file cannot be written"""
-    options = Options(quick=args.quick, seed=args.seed, trials=args.trials)
+    options = Options(args.quick, args.seed, args.trials, args.learned)
     out = args.out or repository_root() / "runs" / ("experiments" + "_quick" * args.quick)
     figures: List[Figure] = []
     for name, figures_of in _FIGURES.items():

@@ -31,6 +31,7 @@ class Options:
         100_001  # of the first trial; no constant of the methods was tuned with seeds from here on
     )
     trials: int = 0  # a point; 0: as many as the protocol says
+    learned: bool = False  # floors with the numbers that the simulated robot learned
 
     def seeds(self, full: int, quick: int) -> "tuple[int, int]":
         """The first seed and the one after the last."""
