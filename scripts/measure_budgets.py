@@ -15,6 +15,7 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+from typing import Any, Dict, List
 
 import yaml
 
@@ -67,7 +68,7 @@ def main():
         program = find_program("kr3_executive", "kr3_budgets")
     except Kr3Error as error:
         sys.exit(str(error))
-    floors = []
+    floors: List[Dict[str, Any]] = []
     table = {
         "machine": machine(),
         "commit": commit(),

@@ -65,12 +65,12 @@ class Accuracy:
     title = "Success and the size of the floor"
     claim = "PA's success is clearly above POMDP-1's as cells grow (H1)."
     protocol = (
-        "Four cells a room. The object asked for is in any room, all alike, and no default says where. POMDP-1 plans for"
-        " the whole floor at once: ahead, one policy for all missions, with backups that are worth 1, 10 and 100 s of CPU,"
-        " as far as its model can be built; and online, on every floor of the table below, with work that is worth as many seconds a"
-        " mission. All work is counted, by the table below. Online, 10 s have 100 trials and 100 s have 30, a third of"
-        " that above 25 rooms, 30 at least. Noise 1: slips .05, true positives .90, false positives .05, grasps .9;"
-        " noise 2: twice the error rates. All methods meet the same worlds."
+        "Four cells a room. The object asked for is in any room, all alike, and no default says where. POMDP-1 plans"
+        " for the whole floor at once: ahead, one policy for all missions, with backups that are worth 1, 10 and 100 s"
+        " of CPU, as far as its model can be built; and online, on every floor of the table below, with work that is"
+        " worth as many seconds a mission. All work is counted, by the table below. Online, 10 s have 100 trials and"
+        " 100 s have 30, a third of that above 25 rooms, 30 at least. Noise 1: slips .05, true positives .90, false"
+        " positives .05, grasps .9; noise 2: twice the error rates. All methods meet the same worlds."
     )
     labels: Mapping[str, Callable[[str], Any]] = {
         "method": str,
@@ -147,7 +147,7 @@ class Accuracy:
         )
 
     def findings(self, rows: Sequence[Row], options: Options) -> Findings:
-        """Success by cells and by budget, for each noise; PA against the best of POMDP-1 at the largest floor of both."""
+        """Success by cells and by budget, for each noise; PA against the best POMDP-1 at the largest floor of both."""
         found = Findings()
         for noise in sorted({row["noise"] for row in rows}):
             here = select(rows, noise=noise)

@@ -1,4 +1,5 @@
 """Robot trials: paired missions on the whole ROS stack in the simulated buildings."""
+import functools
 import hashlib
 import json
 import random
@@ -64,9 +65,12 @@ class _Setting:
     domain: Domain
     method: str
 
-    @property
+    @functools.cached_property
     def digest(self) -> str:
-        """Hash of what a mission depends on besides its seed and the programs: the domain and the stack file."""
+        """Hash of what a mission depends on besides its seed and the programs: the domain and the stack file.
+
+        As they are when it is asked for first: files that change while missions run do not change it.
+        """
         content = hashlib.sha256(f"{self.method} {_OBEY} {_MISSION_LIMIT_S}".encode())
         for file in [*sorted(self.domain.folder.iterdir()), package_config("stack.yaml")]:
             if file.is_file():

@@ -94,8 +94,8 @@ class Curriculum:
 
         @param avoid    could not be tried just now: others go before them
         @param handled  arguments of the fluents that the robot itself changed in this visit: what it put down lies at
-                        its feet, out of its camera's sight, as nothing does that it looks for in a mission. Actions that
-                        ask about that, or need it known, are not for this visit
+                        its feet, out of its camera's sight, as nothing does that it looks for in a mission. Actions
+                        that ask about that, or need it known, are not for this visit
         @throws Kr3Error  nothing is possible
         """
         possible = [action for action in self._actions if self._laws.possible(action, state)]
