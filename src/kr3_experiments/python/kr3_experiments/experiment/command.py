@@ -40,7 +40,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--learned",
         action="store_true",
-        help="floors with the office's models_learned.yaml, in place of models.yaml",
+        help="floors with the learned numbers (models_learned.yaml) in place of models.yaml",
     )
     parser.add_argument("--seed", type=int, default=Options.seed, help="of the first trial")
     parser.add_argument(

@@ -23,7 +23,9 @@ class Floor:
     defaults: int = 3  # length of the chain of defaults
     layout: str = "grid"
     noise: float = 1.0  # of slips, looks and grasps, as a multiple of the models' error rates
-    models: str = "models.yaml"  # of the office: the numbers that are multiplied
+    models: str = (
+        "models.yaml"  # of the domain that floors are made from: the numbers that are multiplied
+    )
 
     def options(self) -> List[str]:
         """For make_floor.py."""
