@@ -35,12 +35,22 @@ class World:
     told: bool = False  # the robot is told where the target is: an oracle to compare with
 
 
+def add_domain_argument(parser: argparse.ArgumentParser) -> None:
+    """The domain that a command works on, in place of an option."""
+    parser.add_argument(
+        "domain",
+        nargs="?",
+        default=DEFAULT_DOMAIN,
+        help=f"folder below domains/ (default: {DEFAULT_DOMAIN})",
+    )
+
+
 def add_world_options(parser: argparse.ArgumentParser) -> None:
     """The options that `world_from` reads."""
     parser.add_argument(
         "--domain",
-        default="office",
-        help="folder below domains/ (default: office), or the path of another",
+        default=DEFAULT_DOMAIN,
+        help=f"folder below domains/ (default: {DEFAULT_DOMAIN}), or the path of another",
     )
     parser.add_argument(
         "--seed", type=int, default=1, help="seed of the simulated world and its noise (default: 1)"

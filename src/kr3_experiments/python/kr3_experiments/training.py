@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Sequence
 
 import yaml
 
-from kr3_experiments.bringup import DEFAULT_DOMAIN, existing_run_dir, new_run_dir
+from kr3_experiments.bringup import add_domain_argument, existing_run_dir, new_run_dir
 from kr3_experiments.domain import repository_root
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.processes import ManagedProcess, describe_exit, end_processes
@@ -27,12 +27,7 @@ CHECK_SEEDS_FROM = 10000  # seeds of pictures to check with: none of those to le
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
-    parser.add_argument(
-        "domain",
-        nargs="?",
-        default=DEFAULT_DOMAIN,
-        help=f"folder below domains/ (default: {DEFAULT_DOMAIN})",
-    )
+    add_domain_argument(parser)
     parser.add_argument(
         "--also-in",
         nargs="+",
