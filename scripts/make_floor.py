@@ -2,7 +2,7 @@
 """Writes the files of a floor of rooms, for experiments: the world of domains/office with N rooms.
 
     make_floor.py OUT --rooms 10 [--cells 4] [--layout line|grid] [--objects 1] [--defaults 3] [--noise 1]
-                  [--exact]
+                  [--exact] [--models FILE]
 
 The rooms r1, r2, ... stand in a line or in a square grid; a room's cells are a square grid, 2 m apart, and what
 is beside another cell, across rooms too, is its neighbour. The robot starts in r1 and is to bring book b1 to the last
@@ -87,6 +87,7 @@ def models_text(office, noise):
             rest = sum(share for label, share in probabilities.items() if label != likeliest)
             probabilities[likeliest] = 1.0 - rest
             outcomes.pop("counts", None)
+            outcomes.pop("prior", None)
             outcomes["source"] = "hand-written"
         for name, sensor in action.get("observations", {}).items():
             if sensor == "exact":
@@ -119,6 +120,9 @@ def main():
     parser.add_argument("--noise", type=float, default=1.0, help="times the rates of all errors")
     parser.add_argument("--exact", action="store_true", help="without noise")
     parser.add_argument(
+        "--models", default="models.yaml", help="file of the office with the numbers (models.yaml)"
+    )
+    parser.add_argument(
         "--office",
         type=pathlib.Path,
         default=pathlib.Path(__file__).resolve().parent.parent / "domains" / "office",
@@ -135,7 +139,7 @@ def main():
     files = {
         "domain.kr3": domain_text(office("domain.kr3"), args),
         "refinement.kr3": office("refinement.kr3"),
-        "models.yaml": models_text(office("models.yaml"), 0.0 if args.exact else args.noise),
+        "models.yaml": models_text(office(args.models), 0.0 if args.exact else args.noise),
         "bindings.yaml": office("bindings.yaml"),
         "map.yaml": map_text(args),
         "scenario.yaml": scenario_text(args),

@@ -11,13 +11,14 @@ import argparse
 import json
 import os
 import pathlib
-import platform
 import statistics
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+
+from kr3_common.bench_report import write_report
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 ROOM_SEARCH = pathlib.Path(__file__).with_name("room_search_models.yaml")
@@ -260,21 +261,6 @@ def answer_of(command: list[str]) -> dict:
     return json.loads(done.stdout)
 
 
-def report(rows: list[Row]) -> dict:
-    commit = subprocess.run(
-        ["git", "-C", str(pathlib.Path(__file__).parent), "rev-parse", "HEAD"],
-        capture_output=True,
-        text=True,
-        check=False,
-    ).stdout.strip()
-    return {
-        "bench": "coupling",
-        "commit": commit,
-        "machine": f"{platform.node()} {platform.machine()} {os.cpu_count()} cores",
-        "rows": [vars(row) for row in rows],
-    }
-
-
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="./kr3 bench coupling", description=__doc__)
     parser.add_argument("--programs", type=pathlib.Path, required=True, help=argparse.SUPPRESS)
@@ -304,7 +290,8 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"\n{name}: medians of CPU times")
             sections[name]()
         if args.json:
-            args.json.write_text(json.dumps(report(bench.rows), indent=2) + "\n")
+            here = pathlib.Path(__file__).parent
+            write_report(args.json, "coupling", here, map(vars, bench.rows))
     except BenchmarkError as error:
         print(error, file=sys.stderr)
         return 1

@@ -17,6 +17,10 @@ using refinement::StateId;
 
 /// Belief that no further look can better.
 constexpr double kCertain = 1.0 - 1e-9;
+/// How often the same may be chosen in the same state without news.
+constexpr int kMostTries = 3;
+/// Change of a probability that counts as news.
+constexpr double kNews = 1e-6;
 /// What success is worth to a lower task: little more than trying, much more than a mission takes.
 constexpr double kLeastWorth_s = 30.0;
 constexpr double kMostWorth_s = 20000.0;
@@ -138,7 +142,10 @@ std::optional<HierarchicalController::Choice> HierarchicalController::solvedChoi
       supposed = &state;
     }
   }
-  if (supposed == nullptr || idle_.count({*supposed, chosen->action}) != 0)
+  if (supposed == nullptr)
+    return std::nullopt;
+  const auto key = std::make_pair(*supposed, chosen->action);
+  if (idle_.count(key) != 0 || isSpent(tries_, *supposed, chosen->action))
     return std::nullopt;
   Choice choice{*supposed, chosen->action, std::nullopt, chosen->kind == CoarseChoice::Kind::kLook};
   if (plan_->option(*supposed, chosen->action).on_hidden)
@@ -158,7 +165,7 @@ std::optional<HierarchicalController::Choice> HierarchicalController::choiceByOr
   const auto& [states, probability, likeliest] = all;
   const auto stepOf = [&](StateId state, const std::optional<Route>& route,
                           std::optional<double> found_s) -> std::optional<Choice> {
-    if (!route || route->steps.empty() || idle_.count({state, route->steps.front().action}) != 0)
+    if (!route || route->steps.empty() || isIdle(state, *route))
       return std::nullopt;
     const std::size_t action = route->steps.front().action;
     Choice choice{state, action, std::nullopt};
@@ -187,7 +194,7 @@ ProspectOf HierarchicalController::prospectsOf(const std::vector<StateId>& state
     if (!state)
       return std::nullopt;
     const auto& test = plan_->testFrom(*state);
-    if (!test || test->steps.empty() || idle_.count({*state, test->steps.front().action}) != 0)
+    if (!test || test->steps.empty() || isIdle(*state, *test))
       return std::nullopt;
     StateId at = *state;
     double way_s = 0.0;
@@ -211,6 +218,48 @@ ProspectOf HierarchicalController::prospectsOf(const std::vector<StateId>& state
                     option.success.seconds - option.failure.seconds + rest->cost_s,
                     option.detection, at};
   };
+}
+
+bool HierarchicalController::isSpent(const Counts& counts, StateId from, std::size_t action)
+{
+  const auto count = counts.find({from, action});
+  return count != counts.end() && count->second >= kMostTries;
+}
+
+bool HierarchicalController::isIdle(StateId from, const Route& route) const
+{
+  if (idle_.count({from, route.steps.front().action}) != 0)
+    return true;
+  StateId at = from;
+  for (const auto& step : route.steps)
+  {
+    if (isSpent(fruitless_, at, step.action))
+      return true;
+    at = step.next;
+  }
+  return false;
+}
+
+void HierarchicalController::noticeNews(const CoarseBelief& belief)
+{
+  std::map<std::vector<std::string>, double> known;
+  for (const auto& [state, probability] : belief)
+  {
+    std::vector<std::string> values;
+    for (const std::size_t fluent : plan_->hidden())
+      values.push_back(plan_->space().value(state, fluent));
+    known[std::move(values)] += probability;
+  }
+  const bool as_before =
+      known.size() == known_.size() &&
+      std::equal(known.begin(), known.end(), known_.begin(), [](const auto& a, const auto& b) {
+        return a.first == b.first && std::abs(a.second - b.second) < kNews;
+      });
+  if (as_before)
+    return;
+  known_ = std::move(known);
+  fruitless_.clear();
+  tries_.clear();
 }
 
 double HierarchicalController::worthOfFinding(const Hypotheses& all, StateId from,
@@ -336,13 +385,19 @@ std::optional<std::size_t> HierarchicalController::next(const DomainBelief& beli
       return std::nullopt;
     if (!active_)
     {
+      noticeNews(plan_->coarse(belief));
       const auto choice = choose(belief);
       if (!choice)
         return std::nullopt;
       // Until something is done, nothing is begun twice.
       idle_.insert({choice->state, choice->action});
+      begun_from_ = {choice->state, choice->action};
+      ++tries_[begun_from_];
       if (!begin(*choice, belief, cancel))
+      {
+        ++fruitless_[begun_from_];
         continue;
+      }
     }
     std::size_t chosen = 0;
     try
@@ -357,6 +412,8 @@ std::optional<std::size_t> HierarchicalController::next(const DomainBelief& beli
     }
     if (active_->task.isFinish(chosen))
     {
+      if (active_->done == 0)
+        ++fruitless_[begun_from_];
       active_.reset();
       continue;
     }

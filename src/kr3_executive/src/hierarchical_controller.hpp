@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -66,6 +67,9 @@ private:
     /// By number, where it is only begun to find out whether it is possible.
     std::optional<std::size_t> looking;
   };
+  using Begun = std::set<std::pair<refinement::StateId, std::size_t>>;
+  using Counts = std::map<std::pair<refinement::StateId, std::size_t>, int>;
+
   struct Choice
   {
     refinement::StateId state;  ///< that is supposed
@@ -80,6 +84,13 @@ private:
   [[nodiscard]] std::optional<Choice> choiceByOrder(const CoarseBelief& belief);
   /// What testing hypotheses takes, with the options' durations. @param states  must outlive it
   [[nodiscard]] ProspectOf prospectsOf(const std::vector<refinement::StateId>& states) const;
+  /// Whether the route begins with something that was just begun, or has a step that is not worth
+  /// it.
+  [[nodiscard]] bool isIdle(refinement::StateId from, const Route& route) const;
+  [[nodiscard]] static bool isSpent(const Counts& counts, refinement::StateId from,
+                                    std::size_t action);
+  /// Forget what was not worth it once the belief about what is hidden has changed.
+  void noticeNews(const CoarseBelief& belief);
   /// Seconds that confirming a hypothesis is worth: what the best other one needs for as much.
   [[nodiscard]] double worthOfFinding(const Hypotheses& all, refinement::StateId from,
                                       std::size_t hypothesis) const;
@@ -100,7 +111,14 @@ private:
   std::shared_ptr<CoarsePlan> plan_;
   std::shared_ptr<CoarsePolicy> policy_;  ///< null: the upper level is too large
   std::optional<Active> active_;
-  std::set<std::pair<refinement::StateId, std::size_t>> idle_;  ///< begun, and nothing was done
+  Begun idle_;  ///< begun, and nothing was done since
+  // Until more is known of what is hidden, the solved policy, which may be poor at beliefs that the
+  // solver did not meet, gets each choice a few times only, and what ended before anything was done
+  // is tried as often: nothing is repeated for ever.
+  Counts tries_;
+  Counts fruitless_;
+  std::pair<refinement::StateId, std::size_t> begun_from_;  ///< of the active one
+  std::map<std::vector<std::string>, double> known_;  ///< probabilities of the hidden values then
   std::uint32_t num_begun_ = 0;
 };
 

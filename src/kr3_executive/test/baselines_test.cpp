@@ -196,6 +196,30 @@ TEST(OnlinePlanning, DoesNotDependOnEarlierMissions)
   }
 }
 
+// The solved upper level has beliefs for which it has no good plan: robots drove to and fro there.
+TEST(Hierarchy, DrivesNoCirclesWhenNothingNewIsLearned)
+{
+  const std::string floor = floorOf("circles", "--rooms 6 --layout grid");
+  AbstractMissionConfig config = configFor(Method::kHierarchical);
+  config.driver.budget = {0.5, 0.0, 20000};
+  config.baseline.budget = {0.5, 0.0, 20000};
+  AbstractMissions missions(floor, config);
+  constexpr std::size_t kRooms = 6;
+  for (std::uint64_t seed = 5; seed < 13; ++seed)
+  {
+    Watcher watcher;
+    const std::string room = "r" + std::to_string(1 + seed % kRooms);
+    const auto trial = missions.run(missions.scenario().goal, {"loc(b1) = " + room}, seed, watcher);
+    EXPECT_TRUE(trial.mission.achieved) << seed << ": " << trial.mission.reason;
+    std::size_t drives = 0;
+    for (const std::string& action : watcher.actions)
+    {
+      drives = action.rfind("move(", 0) == 0 ? drives + 1 : 0;
+      EXPECT_LE(drives, 2 * kRooms) << seed << ": nothing but drives up to " << action;
+    }
+  }
+}
+
 TEST(Methods, AreNamed)
 {
   for (const Method method : allMethods())

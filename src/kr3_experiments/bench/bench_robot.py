@@ -9,7 +9,6 @@ import argparse
 import json
 import os
 import pathlib
-import platform
 import subprocess
 import sys
 import tempfile
@@ -18,6 +17,7 @@ from dataclasses import asdict, dataclass, field
 
 import robot_perception
 import whole_loop
+from kr3_common.bench_report import write_report
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 FLOORS = ("floor_a", "floor_b")
@@ -283,23 +283,6 @@ PARTS: dict[str, Callable[[Bench], None]] = {
 }
 
 
-def report(rows: list[Row]) -> dict:
-    """All rows, in the form that every bench of KR3 writes."""
-    commit = subprocess.run(
-        ["git", "describe", "--always", "--dirty"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    ).stdout.strip()
-    return {
-        "bench": "robot",
-        "commit": commit,
-        "machine": f"{platform.node()} {platform.machine()} {os.cpu_count()} cores",
-        "rows": [asdict(row) for row in rows],
-    }
-
-
 def main(arguments: list[str] | None = None) -> int:
     """@return 0 when every part could be measured"""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -320,7 +303,7 @@ def main(arguments: list[str] | None = None) -> int:
                 failed = True
                 print(f"  not measured: {error}", file=sys.stderr, flush=True)
     if args.json:
-        args.json.write_text(json.dumps(report(bench.rows), indent=1) + "\n", encoding="utf-8")
+        write_report(args.json, "robot", ROOT, map(asdict, bench.rows))
     return 1 if failed or not bench.rows else 0
 
 

@@ -13,7 +13,7 @@ from kr3_experiments.experiment import bench, command, robot
 from kr3_experiments.experiment.accuracy import Accuracy
 from kr3_experiments.experiment.defaults import Defaults
 from kr3_experiments.experiment.definition import Options, Table, plot, save_figures
-from kr3_experiments.experiment.points import TargetRule
+from kr3_experiments.experiment.points import TargetRule, configurations
 from kr3_experiments.experiment.report import table_text, write_report
 from kr3_experiments.experiment.robot import Robot
 from kr3_experiments.experiment.rows import RowStore
@@ -41,8 +41,9 @@ def outcome(seed: int, success: bool = True, **more: Any) -> Dict[str, Any]:
 
 def accuracy_rows(flat_succeeds: bool) -> List[Dict[str, Any]]:
     rows = []
-    for method, budget, success in (("pa", 20_000, True), ("pomdp1", 2_000, flat_succeeds)):
-        label = {"method": method, "rooms": 2, "cells": 8, "noise": 1.0, "budget": budget}
+    for method, seconds, success in (("pa", 0.0, True), ("pomdp1", 1.0, flat_succeeds)):
+        label = {"method": method, "rooms": 2, "cells": 8, "noise": 1.0, "budget": 2_000}
+        label["seconds"] = seconds
         rows += [outcome(seed, success, **label) for seed in range(8)]
     return rows
 
@@ -148,9 +149,18 @@ def test_bad_requests_are_refused_in_words(
     assert what in capsys.readouterr().err
 
 
+def test_learned_numbers_make_floors_and_configurations_of_their_own(tmp_path: Path) -> None:
+    points = command._points(Accuracy(), Options(quick=True, learned=True))[:1]
+    plain = command._points(Accuracy(), QUICK)[:1]
+    learned, hand = (configurations(each, tmp_path)[0] for each in (points, plain))
+    assert "source: learned" in learned.files["models.yaml"]
+    assert "source: learned" not in hand.files["models.yaml"]
+    assert learned.digest != hand.digest
+
+
 def test_rows_of_other_points_do_not_count(tmp_path: Path) -> None:
     store = RowStore(tmp_path / "accuracy", Accuracy().labels)
-    label = {"method": "pa", "rooms": 2, "cells": 8, "noise": 1.0, "budget": 1}
+    label = {"method": "pa", "rooms": 2, "cells": 8, "noise": 1.0, "budget": 1, "seconds": 1.0}
     store.add([outcome(1, **label)])
     assert command.stored_rows(Accuracy(), QUICK, tmp_path / "accuracy") == []
 

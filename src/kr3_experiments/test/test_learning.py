@@ -209,6 +209,21 @@ def test_the_robot_asks_before_it_acts(lesson, tmp_path):
     assert grasps >= 0.9 * sum(attempt.action == "grasp" for attempt in attempts)
 
 
+def test_what_the_robot_put_down_is_not_looked_for_in_the_same_visit(lesson, tmp_path):
+    run(lesson, tmp_path, 12, 40)
+    handled, looks, stale = set(), 0, 0
+    for attempt in read_attempts(tmp_path / "attempts12.jsonl"):
+        if attempt.action == "move":
+            handled = set()
+        elif attempt.action == "putdown":
+            handled.add(attempt.arguments[1])
+        else:
+            looks += 1
+            stale += attempt.arguments[-1] in handled
+    assert looks > 100
+    assert stale == 0
+
+
 def test_visits_are_numbered_through(lesson, tmp_path):
     run(lesson, tmp_path, 10, 20)
     attempts = read_attempts(tmp_path / "attempts10.jsonl")
@@ -390,6 +405,18 @@ def test_bad_labels_are_named(lesson, tmp_path, labels, words):
     (tmp_path / "labels.json").write_text(labels)
     with pytest.raises(Kr3Error, match=words):
         attempts_from_labels(tmp_path, lesson)
+
+
+def test_the_offices_learned_models_are_what_its_training_tells(lesson, tmp_path):
+    parts = [read_attempts(path) for path in sorted((OFFICE / "training").glob("*.jsonl"))]
+    assert len(parts) == 2
+    laws = lesson.laws({})
+    conclude(lesson, laws, joined(parts), tmp_path / "m.yaml", [], False)
+    stored = yaml.safe_load((OFFICE / "models_learned.yaml").read_text())
+    assert yaml.safe_load((tmp_path / "m.yaml").read_text()) == stored
+    labels = {name: laws.labels(name) for name in lesson.entries}
+    lines, apart = agreement(count(parts[0], labels), count(parts[1], labels))
+    assert len(lines) == 6 and not apart
 
 
 def test_ground_truth_becomes_fluents():

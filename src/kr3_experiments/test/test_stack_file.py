@@ -14,6 +14,7 @@ VARIABLES = {
     "seed": 7,
     "placements": ["a=b"],
     "method": "pa",
+    "models": "/d/models_learned.yaml",
     "scenario": "/d/scenario.yaml",
     "robot_start": [1.0, 2.0, 0.5],
     "real_time_factor": 4.0,

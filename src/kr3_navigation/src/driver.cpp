@@ -9,11 +9,14 @@ namespace kr3::navigation
 namespace
 {
 
-constexpr double kStill = 0.02;         // m/s
-constexpr double kStillTurning = 0.05;  // rad/s
-constexpr double kProgress = 0.05;      // m: what counts as getting nearer
-constexpr double kReaction = 0.15;      // s: age of a scan and of the last command
-constexpr double kMaxPeriod = 0.2;      // s: a longer gap between steps counts as this
+constexpr double kStill = 0.02;          // m/s
+constexpr double kStillTurning = 0.05;   // rad/s
+constexpr double kProgress = 0.05;       // m: what counts as getting nearer
+constexpr double kReaction = 0.15;       // s: age of a scan and of the last command
+constexpr double kCloseRange = 8.0;      // m: how far hits count for a closer look
+constexpr double kCloseLookAhead = 0.2;  // m
+constexpr double kCloseSpeed = 0.25;     // m/s
+constexpr double kMaxPeriod = 0.2;       // s: a longer gap between steps counts as this
 
 }  // namespace
 
@@ -45,6 +48,7 @@ void Driver::start(const DriveGoal& goal)
   phase_ = DrivePhase::kPlanning;
   reason_.clear();
   follower_.reset();
+  close_planner_.reset();
   nearest_remaining_m_ = std::numeric_limits<double>::infinity();
   progress_ = 0.0;
   replans_ = 0;
@@ -67,6 +71,7 @@ void Driver::cancel()
 {
   phase_ = DrivePhase::kIdle;
   follower_.reset();
+  close_planner_.reset();
   current_ = Velocity{};
   last_time_s_.reset();
 }
@@ -91,10 +96,58 @@ void Driver::arrive()
   progress_ = 1.0;
 }
 
+void Driver::lookCloser(const DriveInput& input)
+{
+  std::vector<Point> hits;
+  for (const Point& obstacle : input.obstacles_base)
+  {
+    if (std::hypot(obstacle.x, obstacle.y) < kCloseRange)
+      hits.push_back(input.pose * obstacle);
+  }
+  close_planner_.emplace(*input.grid, input.planner.options(), hits);
+}
+
+PlannedPath Driver::findPath(const DriveInput& input)
+{
+  const Point here = input.pose.position();
+  // Stopped before something: the map's nodes showed a way there that the laser does not.
+  const bool stopped = phase_ == DrivePhase::kBlocked && follower_.has_value();
+  close_planner_.reset();
+  PlannedPath path;
+  if (!stopped || input.grid == nullptr)
+    path = input.planner.plan(here, goal_.position);
+  if (path.found() || input.grid == nullptr)
+    return path;
+  lookCloser(input);
+  PlannedPath close_path = close_planner_->plan(here, goal_.position);
+  if (close_path.found())
+    return close_path;
+  close_planner_.reset();
+  return stopped ? close_path : path;
+}
+
+void Driver::followMapChange(const DriveInput& input)
+{
+  // Through the gap: the map alone will do again.
+  if (close_planner_ && input.planner.isFree(input.pose.position()) &&
+      follower_->isFree(input.planner))
+    close_planner_.reset();
+  if (close_planner_)
+    lookCloser(input);
+  // Hits differ by a centimetre from scan to scan: what was wide enough is not planned again for
+  // that.
+  const bool is_free =
+      close_planner_
+          ? follower_->keepsClear(*close_planner_, options_.robot_radius_m + options_.side_margin_m)
+          : follower_->isFree(input.planner);
+  if (!is_free)
+    plan(input);
+}
+
 void Driver::plan(const DriveInput& input)
 {
   const bool under_way = follower_.has_value();
-  const PlannedPath path = input.planner.plan(input.pose.position(), goal_.position);
+  const PlannedPath path = findPath(input);
   if (!path.found())
   {
     // What blocks the way may have left since it was seen, or be a passer-by.
@@ -152,8 +205,8 @@ Velocity Driver::step(const DriveInput& input)
   else if (phase_ == DrivePhase::kBlocked &&
            input.time_s - blocked_since_s_ >= options_.blocked_wait_s)
     plan(input);
-  else if (phase_ == DrivePhase::kDriving && input.map_changed && !follower_->isFree(input.planner))
-    plan(input);
+  else if (phase_ == DrivePhase::kDriving && input.map_changed)
+    followMapChange(input);
   else if (phase_ == DrivePhase::kDriving && input.time_s - nearest_time_s_ > options_.stall_time_s)
   {
     nearest_time_s_ = input.time_s;
@@ -189,10 +242,17 @@ Velocity Driver::drive(const DriveInput& input)
       arrive();
     return {};
   }
-  Velocity wanted = follower_->follow(input.pose, input.planner);
+  Velocity wanted = close_planner_ ? follower_->follow(input.pose, *close_planner_, kCloseLookAhead)
+                                   : follower_->follow(input.pose, input.planner);
+  if (close_planner_ && wanted.linear > kCloseSpeed)
+  {
+    wanted.angular *= kCloseSpeed / wanted.linear;
+    wanted.linear = kCloseSpeed;
+  }
   // Slow down so that the robot can stand still before an obstacle ahead.
   const double reach = options_.stop_margin_m + options_.stop_distance_m;
-  const double ahead = freeDistance(wanted, input.obstacles_base, options_.robot_radius_m, reach);
+  const double ahead = freeDistance(wanted, input.obstacles_base,
+                                    options_.robot_radius_m + options_.side_margin_m, reach);
   if (ahead < reach)
   {
     const double a = options_.limits.linear_acceleration;

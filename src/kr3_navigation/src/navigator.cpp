@@ -108,8 +108,12 @@ std::optional<DriveInput> Navigator::driveInput(bool with_obstacles)
     for (const Point& p_odom : obstacles_odom_)
       obstacles_base_.push_back(T_base_odom * p_odom);
   }
-  return DriveInput{tracker_.poseTime(), tracker_.pose(), map_.planner(), obstacles_base_,
-                    std::exchange(map_changed_for_driver_, false)};
+  return DriveInput{tracker_.poseTime(),
+                    tracker_.pose(),
+                    map_.planner(),
+                    obstacles_base_,
+                    std::exchange(map_changed_for_driver_, false),
+                    &map_.grid()};
 }
 
 void Navigator::forgetRevisions()

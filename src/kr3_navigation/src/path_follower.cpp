@@ -35,10 +35,10 @@ PathFollower::PathFollower(std::vector<Point> path, const MotionLimits& limits)
     to_end_[i - 1] = to_end_[i] + distance(path_[i - 1], path_[i]);
 }
 
-Velocity PathFollower::follow(const Pose& pose, const PathPlanner& planner)
+Velocity PathFollower::follow(const Pose& pose, const PathPlanner& planner, double look_ahead_m)
 {
   const Point here = pose.position();
-  while (next_ + 1 < path_.size() && distance(here, path_[next_]) < kLookAhead &&
+  while (next_ + 1 < path_.size() && distance(here, path_[next_]) < look_ahead_m &&
          (distance(here, path_[next_]) < planner.geometry().resolution_m || !planner.isFree(here) ||
           planner.isSegmentFree(here, path_[next_ + 1])))
     ++next_;
@@ -69,6 +69,16 @@ bool PathFollower::isFree(const PathPlanner& planner) const
   for (std::size_t i = next_; i < path_.size(); ++i)
   {
     if (!planner.isFree(path_[i]))
+      return false;
+  }
+  return true;
+}
+
+bool PathFollower::keepsClear(const PathPlanner& planner, double clearance_m) const
+{
+  for (std::size_t i = next_; i < path_.size(); ++i)
+  {
+    if (planner.clearance(path_[i]) < clearance_m)
       return false;
   }
   return true;

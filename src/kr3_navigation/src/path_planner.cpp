@@ -68,7 +68,65 @@ std::string textOf(Point p)
   return text.data();
 }
 
+/// Calls visit(node) for every node whose centre is within `radius_m` of p.
+template <typename Visit>
+void forEachNear(const GridGeometry& geometry, Point p, double radius_m, Visit&& visit)
+{
+  const int last_column = geometry.column(p.x + radius_m);
+  const int last_row = geometry.row(p.y + radius_m);
+  for (int row = geometry.row(p.y - radius_m); row <= last_row; ++row)
+  {
+    for (int column = geometry.column(p.x - radius_m); column <= last_column; ++column)
+    {
+      const int node = row * geometry.width + column;
+      if (geometry.isInside(column, row) && distance(geometry.center(node), p) <= radius_m)
+        visit(node);
+    }
+  }
+}
+
+/// The grid without the obstacles that hits explain, in nodes of half the size.
+OccupancyGrid halved(OccupancyGrid grid, const std::vector<Point>& hits)
+{
+  for (const Point& hit : hits)
+  {
+    forEachNear(grid.geometry, hit, grid.geometry.resolution_m, [&](int node) {
+      Occupancy& value = grid.nodes[static_cast<std::size_t>(node)];
+      if (value == Occupancy::kOccupied)
+        value = Occupancy::kFree;
+    });
+  }
+  OccupancyGrid fine;
+  fine.geometry = {grid.geometry.resolution_m / 2.0, grid.geometry.origin, 2 * grid.geometry.width,
+                   2 * grid.geometry.height};
+  fine.nodes.resize(fine.geometry.size());
+  for (std::size_t node = 0; node < fine.nodes.size(); ++node)
+  {
+    const int column = static_cast<int>(node) % fine.geometry.width / 2;
+    const int row = static_cast<int>(node) / fine.geometry.width / 2;
+    fine.nodes[node] = grid.nodes[static_cast<std::size_t>(row * grid.geometry.width + column)];
+  }
+  return fine;
+}
+
 }  // namespace
+
+PathPlanner::PathPlanner(const OccupancyGrid& grid, const PathPlannerOptions& options,
+                         const std::vector<Point>& hits)
+  : PathPlanner(halved(grid, hits), options)
+{
+  for (const Point& hit : hits)
+  {
+    forEachNear(geometry(), hit, options_.comfort_distance_m, [&](int node) {
+      const double away = distance(geometry().center(node), hit);
+      float& known = field_.distance_m[static_cast<std::size_t>(node)];
+      known = std::min(known, static_cast<float>(away));
+      if (away < options_.inflation_radius_m)
+        free_[static_cast<std::size_t>(node)] = 0;
+    });
+  }
+  findMainRegion();
+}
 
 PathPlanner::PathPlanner(const OccupancyGrid& grid, const PathPlannerOptions& options)
   : options_(options), field_(distanceField(grid)), free_(grid.nodes.size(), 0)

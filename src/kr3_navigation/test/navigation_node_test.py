@@ -14,6 +14,7 @@ import actionlib
 import rosgraph
 import rospy
 import rostest
+from actionlib import CommState
 from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from kr3_msgs.msg import CellArray, ExecuteSkillAction, ExecuteSkillGoal, Status
@@ -57,10 +58,19 @@ class NavigationNodeTest(unittest.TestCase):
         goal.time_limit = rospy.Duration(limit)
         return goal
 
+    def finished(self, client, goal):
+        """Send a goal and wait for its end; its handle.
+
+        By the handle: of a goal that is refused at once the simple client drops the transitions that come before it has
+        stored the handle, and waits for ever.
+        """
+        client.send_goal(goal)
+        done = wait_until(lambda: client.gh.get_comm_state() == CommState.DONE, 10.0 * ANSWER)
+        self.assertTrue(done, "no result")
+        return client.gh
+
     def run_skill(self, *arguments, limit=0.0):
-        self.move_to.send_goal(self.skill(*arguments, limit=limit))
-        self.assertTrue(self.move_to.wait_for_result(rospy.Duration(10.0 * ANSWER)))
-        return self.move_to.get_result()
+        return self.finished(self.move_to, self.skill(*arguments, limit=limit)).get_result()
 
     def pose_goal(self, x, y, yaw, frame="map"):
         goal = MoveBaseGoal()
@@ -71,9 +81,8 @@ class NavigationNodeTest(unittest.TestCase):
         return goal
 
     def run_move_base(self, goal):
-        self.move_base.send_goal(goal)
-        self.assertTrue(self.move_base.wait_for_result(rospy.Duration(10.0 * ANSWER)))
-        return self.move_base.get_state(), self.move_base.get_goal_status_text()
+        handle = self.finished(self.move_base, goal)
+        return handle.get_terminal_state(), handle.get_goal_status_text()
 
     def test_publishes_map_and_cells_for_late_listeners(self):
         array = rospy.wait_for_message("cells", CellArray, timeout=ANSWER)

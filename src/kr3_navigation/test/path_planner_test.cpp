@@ -125,6 +125,57 @@ TEST(PathPlanner, SaysWhyThereIsNoPath)
   EXPECT_NE(shut.plan({2.0, 2.0}, {6.0, 2.0}).reason.find("no free path"), std::string::npos);
 }
 
+/// What a laser hits of a door of the two rooms that is narrowed to y_low..y_high.
+std::vector<Point> jambs(double y_low, double y_high)
+{
+  std::vector<Point> hits;
+  for (double y = 0.0; y < 4.0; y += 0.04)
+  {
+    if (y > y_low && y < y_high)
+      continue;
+    hits.push_back({3.95, y});
+    hits.push_back({4.05, y});
+  }
+  for (const double x : {3.95, 4.0, 4.05})
+  {
+    hits.push_back({x, y_low});
+    hits.push_back({x, y_high});
+  }
+  return hits;
+}
+
+TEST(PathPlanner, ACloserLookFindsTheGapThatAThickenedMapHides)
+{
+  SyntheticWorld thickened = SyntheticWorld::twoRooms();
+  thickened.boxes.push_back({3.9, 1.5, 4.1, 1.7});
+  thickened.boxes.push_back({3.9, 2.3, 4.1, 2.5});
+  const OccupancyGrid grid = thickened.grid(kTwoRoomsArea);
+  const PathPlannerOptions options;
+  const Point start{3.0, 2.0};
+  const Point goal{6.0, 2.0};
+  PathPlannerOptions wide = options;
+  wide.inflation_radius_m = 0.34;
+  EXPECT_FALSE(PathPlanner(grid, wide).plan(start, goal).found());
+  EXPECT_FALSE(PathPlanner(grid, wide, {}).plan(start, goal).found());  // nothing was seen there
+  const std::vector<Point> hits = jambs(1.6, 2.4);
+  const PathPlanner close(grid, wide, hits);
+  const PlannedPath path = close.plan(start, goal);
+  ASSERT_TRUE(path.found()) << path.reason;
+  for (const Point& p : path.points)
+  {
+    for (const Point& hit : hits)
+      EXPECT_GE(distance(p, hit), wide.inflation_radius_m - 1e-6);
+  }
+}
+
+TEST(PathPlanner, ACloserLookSeesThatAGapIsTooNarrow)
+{
+  const OccupancyGrid grid = SyntheticWorld::twoRooms().grid(kTwoRoomsArea);
+  const PathPlannerOptions options;
+  EXPECT_TRUE(PathPlanner(grid, options).plan({3.0, 2.0}, {6.0, 2.0}).found());
+  EXPECT_FALSE(PathPlanner(grid, options, jambs(1.75, 2.3)).plan({3.0, 2.0}, {6.0, 2.0}).found());
+}
+
 TEST(PathPlanner, LeadsOutOfTheInflation)
 {
   const PathPlanner planner = twoRoomsPlanner();

@@ -19,6 +19,8 @@ constexpr double kWholeImageShare = 0.7;      // of the image in regions: then l
 constexpr std::size_t kColourCandidates = 2;  // objects proposed per region by colour alone
 constexpr int kMinPartPixels = 80;
 constexpr std::size_t kPartsPerObject = 2;  // and region, the largest
+constexpr double kSomeOverlap = 0.2;        // of region and view that may be of one object
+constexpr double kSilhouette = 0.5;         // of region and view that are of one object
 constexpr double kSameBox = 0.7;            // overlap from which a part is the whole region
 constexpr int kMinSide = 4;
 
@@ -190,12 +192,9 @@ std::vector<Proposal> ProposalMaker::propose(const cv::Mat& bgr) const
   const MatchResult matches = matcher_.match(extractor_.extract(grey, disjoint(boxes, image)));
 
   std::vector<Draft> drafts;
-  for (const ViewMatch& match : matches.best)
-  {
-    const cv::Rect box = match.box & image;
-    if (box.width >= kMinSide && box.height >= kMinSide)
-      drafts.push_back({match.object, box, match.inliers, match.inlier_ratio, -1});
-  }
+  for (const std::vector<ViewMatch>* views : {&matches.best, &matches.others})
+    for (const ViewMatch& match : *views)
+      addViewDrafts(match, foreground, drafts);
   const std::vector<Region> parts = partsOf(regions, lab);
   regions.insert(regions.end(), parts.begin(), parts.end());
   addRegionDrafts(regions, bgr, drafts);
@@ -233,6 +232,20 @@ void ProposalMaker::compareRivals(std::vector<Proposal>& proposals) const
   }
 }
 
+void ProposalMaker::addViewDrafts(const ViewMatch& match, const cv::Mat& foreground,
+                                  std::vector<Draft>& drafts) const
+{
+  const cv::Rect box = match.box & cv::Rect({}, foreground.size());
+  if (box.width < kMinSide || box.height < kMinSide)
+    return;
+  drafts.push_back({match.object, box, match.inliers, match.inlier_ratio, -1});
+  // A view from the front that is laid over a side reaches beyond the object.
+  const cv::Rect coloured = cv::boundingRect(foreground(box)) + box.tl();
+  if (coloured.width >= kMinSide && coloured.height >= kMinSide &&
+      coloured.area() >= kMinRegionPixels && overlap(coloured, box) < kSameBox)
+    drafts.push_back({match.object, coloured, match.inliers, match.inlier_ratio, -1});
+}
+
 void ProposalMaker::addRegionDrafts(const std::vector<Region>& regions, const cv::Mat& bgr,
                                     std::vector<Draft>& drafts) const
 {
@@ -241,18 +254,25 @@ void ProposalMaker::addRegionDrafts(const std::vector<Region>& regions, const cv
     const Region& region = regions[r];
     for (const int object : likelyObjects(region, bgr))
     {
-      const auto same = std::find_if(drafts.begin(), drafts.end(), [&](const Draft& draft) {
-        return draft.object == object && draft.region < 0 && overlap(draft.box, region.box) > 0.3;
-      });
-      if (same == drafts.end())
+      Draft* nearest = nullptr;
+      double common = kSomeOverlap;
+      for (Draft& draft : drafts)
+        if (draft.object == object && draft.region < 0)
+          if (const double both = overlap(draft.box, region.box); both > common)
+          {
+            nearest = &draft;
+            common = both;
+          }
+      if (nearest != nullptr && common > kSilhouette)
       {
-        drafts.push_back({object, region.box, 0, 0.0, static_cast<int>(r)});
-        continue;
+        nearest->box = region.box;  // the silhouette is the better box
+        nearest->region = static_cast<int>(r);
       }
-      if (overlap(same->box, region.box) <= 0.5)
-        continue;
-      same->box = region.box;  // the silhouette is the better box
-      same->region = static_cast<int>(r);
+      else if (nearest != nullptr)  // which of the two boxes is right is for the evidence to say
+        drafts.push_back(
+            {object, region.box, nearest->inliers, nearest->inlier_ratio, static_cast<int>(r)});
+      else
+        drafts.push_back({object, region.box, 0, 0.0, static_cast<int>(r)});
     }
   }
 }

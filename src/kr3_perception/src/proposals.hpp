@@ -75,6 +75,8 @@ private:
 
   [[nodiscard]] std::vector<Region> partsOf(const std::vector<Region>& regions,
                                             const cv::Mat& lab) const;
+  void addViewDrafts(const ViewMatch& match, const cv::Mat& foreground,
+                     std::vector<Draft>& drafts) const;
   void addRegionDrafts(const std::vector<Region>& regions, const cv::Mat& bgr,
                        std::vector<Draft>& drafts) const;
   [[nodiscard]] std::vector<int> likelyObjects(const Region& region, const cv::Mat& bgr) const;

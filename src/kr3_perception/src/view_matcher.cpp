@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include "kr3_perception/evaluation.hpp"
+
 namespace kr3::perception
 {
 namespace
@@ -13,8 +15,9 @@ namespace
 constexpr int kNeighbours = 6;
 constexpr float kRatio = 0.85F;  // of distances to the best and to the next class
 constexpr int kTrees = 4;
-constexpr int kViewsTried = 3;  // per object, those with most matches
-constexpr int kMaxPairs = 40;   // per view, in hypotheses
+constexpr std::size_t kViewsTried = 4;  // per object, those with most matches
+constexpr double kOtherBox = 0.7;       // overlap below which a further view says something else
+constexpr int kMaxPairs = 40;           // per view, in hypotheses
 constexpr int kMinInliers = 3;
 constexpr double kMinScale = 0.12;
 constexpr double kMaxScale = 6.0;
@@ -136,10 +139,14 @@ MatchResult ViewMatcher::match(const Features& features) const
   for (auto& [object, views] : of_object)
     for (int i = 0; i < model_.objects[static_cast<std::size_t>(object)].max_in_image; ++i)
     {
-      const ViewMatch best = bestView(views, features);
-      if (best.inliers < kMinInliers)
+      const std::vector<ViewMatch> fits = fittingViews(views, features);
+      if (fits.empty())
         break;
+      const ViewMatch& best = fits.front();
       result.best.push_back(best);
+      for (const ViewMatch& other : fits)
+        if (overlap(other.box, best.box) < kOtherBox)
+          result.others.push_back(other);
       // The next instance is made of other features.
       for (auto& [view, pairs] : views)
         pairs.erase(std::remove_if(
@@ -152,8 +159,8 @@ MatchResult ViewMatcher::match(const Features& features) const
   return result;
 }
 
-ViewMatch ViewMatcher::bestView(const std::map<int, std::vector<Pair>>& pairs_of_view,
-                                const Features& features) const
+std::vector<ViewMatch> ViewMatcher::fittingViews(
+    const std::map<int, std::vector<Pair>>& pairs_of_view, const Features& features) const
 {
   std::vector<int> order;
   for (const auto& [view, pairs] : pairs_of_view)
@@ -162,14 +169,15 @@ ViewMatch ViewMatcher::bestView(const std::map<int, std::vector<Pair>>& pairs_of
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return pairs_of_view.at(a).size() > pairs_of_view.at(b).size();
   });
-  ViewMatch best;
-  for (std::size_t i = 0; i < order.size() && i < kViewsTried; ++i)
-  {
-    const ViewMatch candidate = fit(order[i], pairs_of_view.at(order[i]), features);
-    if (candidate.inliers > best.inliers)
-      best = candidate;
-  }
-  return best;
+  order.resize(std::min(order.size(), kViewsTried));
+  std::vector<ViewMatch> fits;
+  for (const int view : order)
+    if (const ViewMatch match = fit(view, pairs_of_view.at(view), features);
+        match.inliers >= kMinInliers)
+      fits.push_back(match);
+  std::stable_sort(fits.begin(), fits.end(),
+                   [](const ViewMatch& a, const ViewMatch& b) { return a.inliers > b.inliers; });
+  return fits;
 }
 
 ViewMatch ViewMatcher::fit(int view_index, const std::vector<Pair>& pairs,

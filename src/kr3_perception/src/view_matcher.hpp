@@ -34,6 +34,9 @@ struct MatchResult
 {
   std::vector<FeatureVote> votes;
   std::vector<ViewMatch> best;  ///< per object at most max_in_image, apart from each other
+  /// Other views that agree nearly as well with those features, where they give another box: of an
+  /// object that is seen over a corner, the front's features also fit a view from the front.
+  std::vector<ViewMatch> others;
 };
 
 /// Finds learned views in the features of an image (Lowe 2004: ratio test, here with the building
@@ -57,8 +60,9 @@ private:
   };
 
   /// @param pairs_of_view  of one object
-  [[nodiscard]] ViewMatch bestView(const std::map<int, std::vector<Pair>>& pairs_of_view,
-                                   const Features& features) const;
+  /// @return the views that features agree on, most features first
+  [[nodiscard]] std::vector<ViewMatch> fittingViews(
+      const std::map<int, std::vector<Pair>>& pairs_of_view, const Features& features) const;
   [[nodiscard]] ViewMatch fit(int view, const std::vector<Pair>& pairs,
                               const Features& features) const;
 

@@ -1,5 +1,7 @@
 #include "view_matcher.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
@@ -83,6 +85,33 @@ TEST(ViewMatcher, FindsAsManyInstancesAsThereMayBe)
   const std::vector<ViewMatch> both = ViewMatcher(model, 64).match(features).best;
   ASSERT_EQ(both.size(), 2U);
   EXPECT_NEAR(std::abs(both[0].box.x - both[1].box.x), 280.0, 6.0);
+}
+
+TEST(ViewMatcher, TellsOtherViewsThatGiveAnotherBox)
+{
+  const test::SyntheticWorld world(2);
+  DetectorModel model = frontsOnly(world);
+  // Seen over a corner: the front is the left half of the view, plain on the right.
+  ViewModel corner = model.views[0];
+  const int width = corner.size.width;
+  corner.size.width = 2 * width;
+  for (cv::KeyPoint& keypoint : corner.keypoints)
+    keypoint.pt.x -= static_cast<float>(width) / 2.0F;
+  model.views.push_back(corner);
+  cv::Mat image(300, 500, CV_8UC3, cv::Scalar(200, 200, 200));
+  world.front(0).copyTo(image(cv::Rect({40, 60}, world.front(0).size())));
+  cv::Mat grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  const MatchResult result = ViewMatcher(model, 64).match(
+      FeatureExtractor(400).extract(grey, {cv::Rect({}, grey.size())}));
+  ASSERT_EQ(result.best.size(), 1U);
+  ASSERT_EQ(result.others.size(), 1U);
+  std::vector<int> widths = {result.best[0].box.width, result.others[0].box.width};
+  std::sort(widths.begin(), widths.end());
+  EXPECT_NEAR(widths[0], width, 6);
+  EXPECT_NEAR(widths[1], 2 * width, 12);
+  EXPECT_NEAR(result.best[0].box.x, 40, 5);
+  EXPECT_NEAR(result.others[0].box.x, 40, 5);
 }
 
 TEST(ViewMatcher, FindsNothingInAnEmptyImage)

@@ -8,13 +8,13 @@ its figures of this session count.
 """
 
 import argparse
-import json
 import pathlib
 import sys
 import tempfile
 
+from kr3_common.bench_report import write_report
 from pomdp_benchmark import ablation, bounds, published, rooms, sections
-from pomdp_benchmark.figures import report, summary
+from pomdp_benchmark.figures import summary
 from pomdp_benchmark.goals import ROOMS
 from pomdp_benchmark.peer import Peer
 from pomdp_benchmark.processes import BenchmarkError, Programs
@@ -135,7 +135,9 @@ def main(arguments: list[str] | None = None) -> int:
         if args.json:
             options = {"times": session.times, "seed": args.seed, "trials": session.trials}
             options["data"] = "published" if args.data else "generated"
-            args.json.write_text(json.dumps(report(session.figures, options), indent=2) + "\n")
+            rows = (figure.as_json() for figure in session.figures)
+            here = pathlib.Path(__file__).parent
+            write_report(args.json, "pomdp", here, rows, options=options)
     except BenchmarkError as error:
         print(error, file=sys.stderr)
         return 1

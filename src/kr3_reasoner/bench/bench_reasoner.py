@@ -8,9 +8,7 @@ names it. The goals are those of GOALS.md, section 2.
 
 import argparse
 import json
-import os
 import pathlib
-import platform
 import resource
 import signal
 import statistics
@@ -21,6 +19,7 @@ from dataclasses import dataclass, field
 
 import literal_encoding
 import rooms_domain
+from kr3_common.bench_report import write_report
 from rooms_domain import GOAL, PARCEL_GOAL, Size
 
 FETCH_STEPS = 4
@@ -239,19 +238,8 @@ def main() -> int:
             sparc(bench, args.sparc_jar, Size(20, 50))
         growth(bench.rows)
     if args.json:
-        commit = subprocess.run(
-            ["git", "-C", os.path.dirname(os.path.abspath(__file__)), "rev-parse", "HEAD"],
-            capture_output=True,
-            text=True,
-            check=False,
-        ).stdout.strip()
-        report = {
-            "bench": "reasoner",
-            "commit": commit,
-            "machine": f"{platform.node()} {platform.machine()} {os.cpu_count()} cores",
-            "rows": [row.as_json() for row in bench.rows],
-        }
-        args.json.write_text(json.dumps(report, indent=2) + "\n")
+        rows = (row.as_json() for row in bench.rows)
+        write_report(args.json, "reasoner", pathlib.Path(__file__).parent, rows)
     return 0
 
 

@@ -29,15 +29,28 @@ class World:
     target_at: str
     real_time_factor: float  # 0: as fast as possible
     method: str = METHODS[0]  # of the executive
+    models: str = (
+        "models.yaml"  # that the robot plans with and believes by; file in the domain's folder
+    )
     told: bool = False  # the robot is told where the target is: an oracle to compare with
+
+
+def add_domain_argument(parser: argparse.ArgumentParser) -> None:
+    """The domain that a command works on, in place of an option."""
+    parser.add_argument(
+        "domain",
+        nargs="?",
+        default=DEFAULT_DOMAIN,
+        help=f"folder below domains/ (default: {DEFAULT_DOMAIN})",
+    )
 
 
 def add_world_options(parser: argparse.ArgumentParser) -> None:
     """The options that `world_from` reads."""
     parser.add_argument(
         "--domain",
-        default="office",
-        help="folder below domains/ (default: office), or the path of another",
+        default=DEFAULT_DOMAIN,
+        help=f"folder below domains/ (default: {DEFAULT_DOMAIN}), or the path of another",
     )
     parser.add_argument(
         "--seed", type=int, default=1, help="seed of the simulated world and its noise (default: 1)"
@@ -56,6 +69,12 @@ def add_world_options(parser: argparse.ArgumentParser) -> None:
         default=METHODS[0],
         help="of planning: KR3's (pa) or a baseline",
     )
+    parser.add_argument(
+        "--models",
+        default="models.yaml",
+        metavar="FILE",
+        help="the robot's numbers, such as models_learned.yaml: file in the domain's folder, or a path",
+    )
     parser.add_argument("--told", action="store_true", help="tell the robot where the object is")
     parser.add_argument("--port", type=int, help="port of the ROS master")
     parser.add_argument(
@@ -72,13 +91,19 @@ def world_from(args: argparse.Namespace) -> World:
         raise Kr3Error(f"--seed {args.seed}: expected a number from 0 to {2**31 - 1}")
     place = args.target_at or domain.target.at
     domain.placements_with_target(place)
-    return World(domain, args.seed, place, args.real_time_factor, args.method, args.told)
+    if not (domain.folder / args.models).is_file():
+        known = ", ".join(sorted(path.name for path in domain.folder.glob("models*.yaml")))
+        raise Kr3Error(f"--models {args.models}: no such file; {domain.folder} has {known}")
+    return World(
+        domain, args.seed, place, args.real_time_factor, args.method, args.models, args.told
+    )
 
 
 def stack_variables(world: World, run_dir: Path) -> Dict[str, Any]:
     """The placeholders of a stack file. @throws Kr3Error  the robot cannot be told where the target is"""
     return {
         "method": world.method,
+        "models": str((world.domain.folder / world.models).resolve()),
         "scenario": str(_scenario_file(world, run_dir)),
         "domain_dir": str(world.domain.folder),
         "run_dir": str(run_dir),

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 from typing import Any, Dict
 
-from kr3_experiments.bringup import choose_port, new_run_dir, package_config
+from kr3_experiments.bringup import add_domain_argument, choose_port, new_run_dir, package_config
 from kr3_experiments.domain import load_domain, repository_root
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.stack import Stack
@@ -14,9 +14,7 @@ from kr3_experiments.terminal import Terminal
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
-    parser.add_argument(
-        "domain", nargs="?", default="office", help="folder below domains/ (default: office)"
-    )
+    add_domain_argument(parser)
     parser.add_argument(
         "--seed", type=int, default=1, help="seed of the simulated noise (default: 1)"
     )

@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Sequence
 
 import yaml
 
-from kr3_experiments.bringup import DEFAULT_DOMAIN, existing_run_dir, new_run_dir
+from kr3_experiments.bringup import add_domain_argument, existing_run_dir, new_run_dir
 from kr3_experiments.domain import repository_root
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.processes import ManagedProcess, describe_exit, end_processes
@@ -18,8 +18,8 @@ from kr3_experiments.terminal import Terminal
 MODEL = "perception.yml.gz"
 NEEDED = ("building.yaml", "objects.yaml")
 CHECKED = ("easy", "clutter", "rotated", "confusable", "home")
-LOOKS_SIZE = 120  # pictures of a test set, to which those of the other sets are in proportion
-CALIBRATION_SIZE = 320
+LOOKS_SIZE = 160  # pictures of a test set, to which those of the other sets are in proportion
+CALIBRATION_SIZE = 240
 CHECK_SIZE = 45
 QUICK = 4  # with --quick, so many times less
 CHECK_SEEDS_FROM = 10000  # seeds of pictures to check with: none of those to learn from
@@ -27,12 +27,7 @@ CHECK_SEEDS_FROM = 10000  # seeds of pictures to check with: none of those to le
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
-    parser.add_argument(
-        "domain",
-        nargs="?",
-        default=DEFAULT_DOMAIN,
-        help=f"folder below domains/ (default: {DEFAULT_DOMAIN})",
-    )
+    add_domain_argument(parser)
     parser.add_argument(
         "--also-in",
         nargs="+",
@@ -43,7 +38,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=1, help="of the pictures (default: 1)")
     parser.add_argument("--quick", action="store_true", help="few pictures: a worse model")
     parser.add_argument(
-        "--views", type=int, default=16, help="learned views of an object (default: 16)"
+        "--views", type=int, default=24, help="learned views of an object (default: 24)"
     )
     parser.add_argument(
         "--keypoints", type=int, default=50, help="local features of a view (default: 50)"

@@ -113,6 +113,7 @@ int runDrives(Arguments& arguments)
   arguments.trial.seed = arguments.seed;
   PoseErrors errors;
   int succeeded = 0;
+  int refused = 0;
   std::uint32_t contacts = 0;
   double simulated_s = 0.0;
   double simulator_cpu_s = 0.0;
@@ -128,7 +129,10 @@ int runDrives(Arguments& arguments)
     simulator_cpu_s += trial.simulator_cpu_s;
     navigation_cpu_s += trial.navigation_cpu_s;
     if (trial.succeeded())
+    {
       ++succeeded;
+      refused += trial.report.arrived ? 0 : 1;
+    }
     else
       failures.push_back({{"run", run},
                           {"from", trial.from},
@@ -140,8 +144,8 @@ int runDrives(Arguments& arguments)
     if (arguments.verbose || !trial.succeeded())
       print(trial);
   }
-  std::printf("%d of %d drives as they should be, %u contacts\n", succeeded, arguments.runs,
-              contacts);
+  std::printf("%d of %d drives as they should be (%d rightly refused), %u contacts\n", succeeded,
+              arguments.runs, refused, contacts);
   std::printf("pose error %.2f cm mean, %.1f cm maximum; heading %.2f deg mean, %.1f deg maximum\n",
               100.0 * mean(errors.sum_m, errors.scans), 100.0 * errors.max_m,
               mean(errors.sum_yaw_rad, errors.scans) * 180.0 / M_PI,
@@ -156,6 +160,7 @@ int runDrives(Arguments& arguments)
       simulated_s, simulator_cpu_s, navigation_cpu_s, 1e3 * mean(navigation_cpu_s, errors.scans));
   write(arguments.json, {{"runs", arguments.runs},
                          {"succeeded", succeeded},
+                         {"rightly_refused", refused},
                          {"contacts", contacts},
                          {"errors", toJson(errors)},
                          {"time_ratio_median", median(ratios)},

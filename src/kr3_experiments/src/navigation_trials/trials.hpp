@@ -68,15 +68,15 @@ struct DriveTrial
   std::string from;
   std::string to;
   bool doors_open = true;   ///< no shut door keeps the goal apart from the start
-  bool possible = true;     ///< and moved furniture leaves a way as wide as planning asks for
+  bool possible = true;     ///< it arrived, or furniture leaves a way of 0.64 m into the cell
   double shortest_m = 0.0;  ///< the shortest way in the empty building
   double shortest_s = 0.0;  ///< and its time at full speed
   double simulator_cpu_s = 0.0;
   double navigation_cpu_s = 0.0;
   DriveReport report;
 
-  /// Arrived where the truth says so too, without contact; or said why there is no way when there
-  /// is none, naming a door when shut ones are the reason.
+  /// Arrived where the truth says so too, without contact; or said why not when every way is
+  /// narrower than 0.64 m, naming a door when shut ones are the reason.
   [[nodiscard]] bool succeeded() const;
 };
 

@@ -15,6 +15,7 @@ struct DriverOptions
   double robot_radius_m = 0.24;
   double stop_distance_m = 0.3;        ///< how far ahead of the robot's disc obstacles slow it down
   double stop_margin_m = 0.05;         ///< nearer than this ahead, it stands still
+  double side_margin_m = 0.02;         ///< to what it passes: noise of the laser, and of the wheels
   double position_tolerance_m = 0.06;  ///< of the pose estimate; at most 0.12
   double yaw_tolerance_rad = 0.05;
   double blocked_wait_s = 1.0;  ///< before it looks for another way
@@ -49,11 +50,14 @@ struct DriveInput
   const std::vector<Point>&
       obstacles_base;  ///< hits of the latest scan in the robot's present frame
   bool map_changed;    ///< since the last step
+  /// The map that `planner` plans in, for a closer look at narrow gaps; nullptr: no closer look.
+  const OccupancyGrid* grid = nullptr;
 };
 
-/// Takes the robot to a goal: plans, follows, stops for obstacles, plans again. One goal at a time;
-/// a new one replaces the old. Decisions depend on the inputs only, never on a clock. Not
-/// thread-safe.
+/// Takes the robot to a goal: plans, follows, stops for obstacles, plans again; where the map's
+/// nodes are too coarse to tell whether it fits through, by what the laser sees there now. One goal
+/// at a time; a new one replaces the old. Decisions depend on the inputs only, never on a clock.
+/// Not thread-safe.
 class Driver
 {
 public:
@@ -90,6 +94,9 @@ public:
 
 private:
   void plan(const DriveInput& input);
+  [[nodiscard]] PlannedPath findPath(const DriveInput& input);
+  void lookCloser(const DriveInput& input);
+  void followMapChange(const DriveInput& input);
   void giveUp(const std::string& reason);
   [[nodiscard]] Velocity drive(const DriveInput& input);
   [[nodiscard]] Velocity turn(const DriveInput& input) const;
@@ -101,6 +108,7 @@ private:
   DriveGoal goal_;
   std::string reason_;
   std::optional<PathFollower> follower_;
+  std::optional<PathPlanner> close_planner_;  ///< while the path leads through a narrow gap
   Velocity current_;
   std::optional<double> last_time_s_;
   double blocked_since_s_ = 0.0;

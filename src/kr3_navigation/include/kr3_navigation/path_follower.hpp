@@ -34,18 +34,22 @@ class PathFollower
 public:
   PathFollower(std::vector<Point> path, const MotionLimits& limits);
 
+  static constexpr double kLookAhead = 0.45;  ///< m
+
   /// The velocity towards the end of the path, not yet limited in acceleration.
-  [[nodiscard]] Velocity follow(const Pose& pose, const PathPlanner& planner);
+  /// @param look_ahead_m  how far ahead it aims: less keeps nearer to the path
+  [[nodiscard]] Velocity follow(const Pose& pose, const PathPlanner& planner,
+                                double look_ahead_m = kLookAhead);
 
   /// Length of the path from the point aimed at to its end, plus the way to that point, m.
   [[nodiscard]] double remaining(const Pose& pose) const;
   /// Whether the rest of the path is still free.
   [[nodiscard]] bool isFree(const PathPlanner& planner) const;
+  /// Whether the rest of the path keeps that distance to obstacles, m.
+  [[nodiscard]] bool keepsClear(const PathPlanner& planner, double clearance_m) const;
   [[nodiscard]] const std::vector<Point>& path() const { return path_; }
 
 private:
-  static constexpr double kLookAhead = 0.45;  // m
-
   std::vector<Point> path_;
   std::vector<double> to_end_;  // m, from each point along the path
   MotionLimits limits_;

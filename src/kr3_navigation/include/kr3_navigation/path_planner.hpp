@@ -37,6 +37,13 @@ public:
   /// Cost: a distance transform of the grid, about 1 ms for 40 000 nodes.
   PathPlanner(const OccupancyGrid& grid, const PathPlannerOptions& options);
 
+  /// For narrow gaps: nodes of half the size, and what a scan has just hit counts where it was hit
+  /// instead of where the nodes around it lie.
+  /// @param hits  map frame; nodes of obstacles within a node of one are taken for the same thing
+  /// Cost: about 6 ms for 40 000 nodes and 360 hits.
+  PathPlanner(const OccupancyGrid& grid, const PathPlannerOptions& options,
+              const std::vector<Point>& hits);
+
   /// A path of least cost (A*). A start that is too near an obstacle is first led out of the
   /// inflation; a goal there is unreachable.
   [[nodiscard]] PlannedPath plan(Point start, Point goal) const;
@@ -45,6 +52,7 @@ public:
   /// clearance), m; +inf where there is none. Shape [height, width], row-major.
   [[nodiscard]] std::vector<double> distancesFrom(Point start) const;
 
+  [[nodiscard]] const PathPlannerOptions& options() const { return options_; }
   [[nodiscard]] const GridGeometry& geometry() const { return field_.geometry; }
   /// Distances to the nearest occupied node.
   [[nodiscard]] const DistanceField& field() const { return field_; }

@@ -1,10 +1,6 @@
 """What was measured, beside its goal; as text and as JSON."""
 
 import math
-import os
-import pathlib
-import platform
-import subprocess
 from dataclasses import dataclass, field
 
 
@@ -69,23 +65,6 @@ def geometric_mean(values: list[float]) -> float:
     if not values or min(values) <= 0.0:
         raise ValueError(f"found {values}, expected positive numbers")
     return math.exp(sum(math.log(value) for value in values) / len(values))
-
-
-def report(figures: list[Figure], options: dict) -> dict:
-    """All figures with what is needed to tell runs apart."""
-    commit = subprocess.run(
-        ["git", "-C", str(pathlib.Path(__file__).parent), "rev-parse", "HEAD"],
-        capture_output=True,
-        text=True,
-        check=False,
-    ).stdout.strip()
-    return {
-        "bench": "pomdp",
-        "commit": commit,
-        "machine": f"{platform.node()} {platform.machine()} {os.cpu_count()} cores",
-        "options": options,
-        "rows": [figure.as_json() for figure in figures],
-    }
 
 
 def summary(figures: list[Figure]) -> str:

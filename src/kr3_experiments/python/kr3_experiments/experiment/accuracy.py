@@ -1,6 +1,10 @@
 """H1: how often PA and POMDP-1 reach the goal as the number of cells grows."""
-from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple
+import math
+from dataclasses import dataclass
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
 
+from kr3_experiments.domain import repository_root
+from kr3_experiments.experiment.budgets import Budgets, load_budgets
 from kr3_experiments.experiment.definition import (
     METHOD_NAMES,
     Curve,
@@ -20,12 +24,38 @@ from kr3_experiments.experiment.statistics import mcnemar_p
 
 _CELLS = 4  # a room
 _ROOMS = [2, 4, 6, 9, 16, 25, 36, 64, 100]
-_FLAT_ROOMS = [2, 4, 6, 9]  # beyond, the flat model is refused for its size (max_rows)
-_FLAT_BACKUPS = [2_000, 20_000, 200_000]
 _QUICK_ROOMS = [2, 4, 6]
-_QUICK_BACKUPS = [2_000]
+_QUICK_SECONDS = 1.0
 _NOISES = [1.0, 2.0]
 _SIMILAR = 0.05
+_PA_BACKUPS = 20_000  # a policy
+_TRIALS = 1000
+_LEAST_TRIALS = 30
+_LARGE_ROOMS = 25  # online, floors above have a third of the trials
+_METHODS = {"pomdp1": "ahead", "pomdp1_online": "online"}
+
+
+def stored_budgets() -> Budgets:
+    """The table of the repository. @throws Kr3Error  it is missing or wrong"""
+    return load_budgets(repository_root() / "src" / "kr3_experiments" / "config" / "budgets.yaml")
+
+
+@dataclass(frozen=True)
+class _Kind:
+    """What a curve shows."""
+
+    method: str
+    seconds: float  # of CPU that its budget is worth; 0: PA
+
+    @property
+    def name(self) -> str:
+        """For people."""
+        name = METHOD_NAMES[self.method]
+        return name if self.method == "pa" else f"{name}, {self.seconds:g} s"
+
+    def of(self, rows: Sequence[Row]) -> List[Row]:
+        """Its rows."""
+        return select(rows, method=self.method, seconds=self.seconds)
 
 
 class Accuracy:
@@ -35,10 +65,12 @@ class Accuracy:
     title = "Success and the size of the floor"
     claim = "PA's success is clearly above POMDP-1's as cells grow (H1)."
     protocol = (
-        "Four cells a room. The object asked for is in any room, all alike, and no default says where. Every policy of"
-        " PA and of POMDP-1 has its budget in counted backups; POMDP-1 plans for the whole floor at once, ahead, with"
-        " several budgets. Noise 1: slips .05, true positives .90, false positives .05, grasps .9; noise 2: twice the"
-        " error rates. All methods meet the same worlds."
+        "Four cells a room. The object asked for is in any room, all alike, and no default says where. POMDP-1 plans"
+        " for the whole floor at once: ahead, one policy for all missions, with backups that are worth 1, 10 and 100 s"
+        " of CPU, as far as its model can be built; and online, on every floor of the table below, with work that is"
+        " worth as many seconds a mission. All work is counted, by the table below. Online, 10 s have 100 trials and"
+        " 100 s have 30, a third of that above 25 rooms, 30 at least. Noise 1: slips .05, true positives .90, false"
+        " positives .05, grasps .9; noise 2: twice the error rates. All methods meet the same worlds."
     )
     labels: Mapping[str, Callable[[str], Any]] = {
         "method": str,
@@ -46,78 +78,140 @@ class Accuracy:
         "cells": int,
         "noise": float,
         "budget": int,
+        "seconds": float,
     }
 
+    def __init__(self, budgets: Optional[Budgets] = None) -> None:
+        """@param budgets  None: the repository's table, read when it is needed"""
+        self._given = budgets
+
+    @property
+    def _budgets(self) -> Budgets:
+        if self._given is None:
+            self._given = stored_budgets()
+        return self._given
+
     def points(self, options: Options) -> List[Point]:
-        """PA everywhere, POMDP-1 where it can be built, at each budget."""
+        """PA everywhere, POMDP-1 on the floors of the table, ahead where it can be built, at each budget."""
         points = []
         for noise in _NOISES[:1] if options.quick else _NOISES:
             for rooms in _QUICK_ROOMS if options.quick else _ROOMS:
-                points.append(self._point(options, "pa", rooms, noise, 20_000))
-                if rooms in _FLAT_ROOMS:
-                    points += [
-                        self._point(options, "pomdp1", rooms, noise, budget)
-                        for budget in (_QUICK_BACKUPS if options.quick else _FLAT_BACKUPS)
-                    ]
+                points.append(self._point(options, _Kind("pa", 0.0), rooms, noise, _PA_BACKUPS))
+                floor = self._budgets.floors.get(rooms)
+                if floor is None:
+                    continue
+                for i, seconds in enumerate(self._budgets.seconds):
+                    if options.quick and seconds != _QUICK_SECONDS:
+                        continue
+                    for method, counts in (
+                        ("pomdp1", floor.backups),
+                        ("pomdp1_online", floor.prospects),
+                    ):
+                        if counts:
+                            kind = _Kind(method, seconds)
+                            points.append(self._point(options, kind, rooms, noise, counts[i]))
         return points
 
     @staticmethod
-    def _point(options: Options, method: str, rooms: int, noise: float, budget: int) -> Point:
-        work: Dict[str, Any] = (
-            {"max_backups": budget}
-            if method == "pa"
-            else {"flat_backups": budget, "flat_planning": "ahead"}
+    def _trials(kind: _Kind, rooms: int) -> int:
+        if kind.method != "pomdp1_online":
+            return _TRIALS
+        share = kind.seconds * (3.0 if rooms > _LARGE_ROOMS else 1.0)
+        return max(_LEAST_TRIALS, math.ceil(_TRIALS / share))
+
+    @classmethod
+    def _point(cls, options: Options, kind: _Kind, rooms: int, noise: float, budget: int) -> Point:
+        work = {
+            "pa": {"max_backups": budget},
+            "pomdp1": {"flat_backups": budget},
+            "pomdp1_online": {"online_prospects": budget},
+        }[kind.method]
+        job: Dict[str, Any] = {"max_hl_actions": 40 + 4 * rooms, **work}
+        planning = _METHODS.get(kind.method)
+        job.update(
+            {"method": "pomdp1", "flat_planning": planning} if planning else {"method": kind.method}
         )
-        job: Dict[str, Any] = {"method": method, "max_hl_actions": 40 + 4 * rooms, **work}
         return Point(
             label={
-                "method": method,
+                "method": kind.method,
                 "rooms": rooms,
                 "cells": rooms * _CELLS,
                 "noise": noise,
                 "budget": budget,
+                "seconds": kind.seconds,
             },
             floor=Floor(rooms=rooms, cells=_CELLS, defaults=0, noise=noise),
             target=TargetRule(rooms=rooms),
             job=job,
-            seeds=options.seeds(full=1000, quick=20),
+            seeds=options.seeds(full=cls._trials(kind, rooms), quick=20),
         )
 
     def findings(self, rows: Sequence[Row], options: Options) -> Findings:
-        """Success by cells, for each noise and budget; PA against the best of POMDP-1 at the largest floor of both."""
+        """Success by cells and by budget, for each noise; PA against the best POMDP-1 at the largest floor of both."""
         found = Findings()
         for noise in sorted({row["noise"] for row in rows}):
             here = select(rows, noise=noise)
-            kinds = sorted({(row["method"], row["budget"]) for row in here})
-            curves = [self._curve(here, method, budget) for method, budget in kinds]
+            kinds = [
+                _Kind(method, seconds)
+                for method, seconds in sorted({(row["method"], row["seconds"]) for row in here})
+            ]
             found.figures[f"accuracy_noise_{noise:g}"] = plot(
-                curves, "cells", "share of successful missions", log_x=True
+                [self._curve(here, kind) for kind in kinds],
+                "cells",
+                "share of successful missions",
+                log_x=True,
             )
+            by_budget = self._budget_curves(here)
+            if any(len(curve.xs) > 1 for curve in by_budget):
+                found.figures[f"accuracy_budget_noise_{noise:g}"] = plot(
+                    by_budget, "CPU seconds of planning", "share of successful missions", log_x=True
+                )
             found.tables.append(self._table(here, noise, kinds))
-            found.statements.append(self._statement(here, noise))
+            found.statements += [
+                self._statement(here, noise, method)
+                for method in _METHODS
+                if select(here, method=method)
+            ]
+            found.statements += self._crossings(here, noise, kinds)
+        found.tables.append(self._budgets.table())
         return found
 
     @staticmethod
-    def _curve(rows: Sequence[Row], method: str, budget: int) -> Curve:
-        mine = select(rows, method=method, budget=budget)
+    def _curve(rows: Sequence[Row], kind: _Kind) -> Curve:
+        mine = kind.of(rows)
         cells = sorted({row["cells"] for row in mine})
-        name = METHOD_NAMES[method] + ("" if method == "pa" else f", {budget} backups")
-        return Curve(name, cells, [success_of(select(mine, cells=count)) for count in cells])
+        return Curve(kind.name, cells, [success_of(select(mine, cells=count)) for count in cells])
 
     @staticmethod
-    def _table(rows: Sequence[Row], noise: float, kinds: Sequence[Tuple[str, int]]) -> Table:
+    def _budget_curves(rows: Sequence[Row]) -> List[Curve]:
+        """Success against the budget, on the smallest and the largest floor of each way of planning."""
+        curves = []
+        for method in _METHODS:
+            mine = select(rows, method=method)
+            sizes = sorted({row["cells"] for row in mine})
+            for cells in sorted(
+                {*sizes[:1], *sizes[len(sizes) // 2 : len(sizes) // 2 + 1], *sizes[-1:]}
+            ):
+                group = select(mine, cells=cells)
+                seconds = sorted({row["seconds"] for row in group})
+                values = [success_of(select(group, seconds=count)) for count in seconds]
+                curves.append(Curve(f"{METHOD_NAMES[method]}, {cells} cells", seconds, values))
+        return curves
+
+    @staticmethod
+    def _table(rows: Sequence[Row], noise: float, kinds: Sequence[_Kind]) -> Table:
         table = Table(
             f"Noise {noise:g}",
-            ["method", "backups", "cells", "trials", "success", "false", "LL actions", "time, s"],
+            ["method", "work", "cells", "trials", "success", "false", "LL actions", "time, s"],
         )
-        for method, budget in kinds:
-            mine = select(rows, method=method, budget=budget)
+        for kind in kinds:
+            mine = kind.of(rows)
             for cells in sorted({row["cells"] for row in mine}):
                 group = select(mine, cells=cells)
                 table.rows.append(
                     [
-                        METHOD_NAMES[method],
-                        str(budget),
+                        kind.name,
+                        str(group[0]["budget"]),
                         str(cells),
                         *outcome_cells(group, "ll_actions", "duration_s"),
                     ]
@@ -125,20 +219,47 @@ class Accuracy:
         return table
 
     @staticmethod
-    def _statement(rows: Sequence[Row], noise: float) -> str:
-        flat = select(rows, method="pomdp1")
+    def _crossings(rows: Sequence[Row], noise: float, kinds: Sequence[_Kind]) -> List[str]:
+        """Where each budget of POMDP-1 falls behind PA."""
+        pa = _Kind("pa", 0.0).of(rows)
+        statements = []
+        for kind in kinds:
+            if kind.method == "pa":
+                continue
+            mine = kind.of(rows)
+            sizes = sorted({row["cells"] for row in mine})
+            behind = [
+                cells
+                for cells in sizes
+                if success_of(select(mine, cells=cells)).high
+                < success_of(select(pa, cells=cells)).low
+            ]
+            if not sizes or not pa:
+                continue
+            text = (
+                f"is behind PA, their intervals apart, at {', '.join(map(str, behind))} cells"
+                if behind
+                else f"is nowhere behind PA with intervals apart, up to {sizes[-1]} cells"
+            )
+            statements.append(f"Noise {noise:g}: {kind.name}, {text}.")
+        return statements
+
+    @staticmethod
+    def _statement(rows: Sequence[Row], noise: float, method: str) -> str:
+        flat = select(rows, method=method)
         cells = max(row["cells"] for row in flat)
         pa = by_seed(select(rows, method="pa", cells=cells))
         best = max(
-            sorted({row["budget"] for row in flat}),
-            key=lambda budget: success_of(select(flat, cells=cells, budget=budget)).value,
+            sorted({row["seconds"] for row in flat}),
+            key=lambda seconds: success_of(select(flat, cells=cells, seconds=seconds)).value,
         )
-        other = by_seed(select(flat, cells=cells, budget=best))
+        other = by_seed(select(flat, cells=cells, seconds=best))
         seeds = sorted(pa.keys() & other.keys())
         p_value = mcnemar_p(
             [succeeded(pa[seed]) for seed in seeds], [succeeded(other[seed]) for seed in seeds]
         )
-        first, second = success_of(list(pa.values())), success_of(list(other.values()))
+        first = success_of([pa[seed] for seed in seeds])
+        second = success_of([other[seed] for seed in seeds])
         gap = first.value - second.value
         if gap > 0 and p_value < _SIMILAR:
             verdict = "as the paper says, PA is above POMDP-1"
@@ -147,7 +268,7 @@ class Accuracy:
         else:
             verdict = "no difference is shown"
         return (
-            f"Noise {noise:g}, {cells} cells: PA succeeds in {first.text(3)}, POMDP-1 with its best budget"
-            f" ({best} backups) in {second.text(3)} of {len(seeds)} pairs: {verdict}"
+            f"Noise {noise:g}, {cells} cells: PA succeeds in {first.text(3)}, {METHOD_NAMES[method]} with its best"
+            f" budget ({best:g} s) in {second.text(3)} of {len(seeds)} pairs: {verdict}"
             f" (McNemar's exact test, p = {p_value:.2g})."
         )

@@ -1,12 +1,11 @@
 """`./kr3 bench experiments`: the figures of GOALS.md, section 4, from rows that are there, and trials a second."""
 import argparse
-import json
-import os
-import platform
 import sys
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence
+
+from kr3_common.bench_report import write_report
 
 from kr3_experiments.domain import repository_root
 from kr3_experiments.errors import Kr3Error
@@ -15,7 +14,6 @@ from kr3_experiments.experiment.definition import Options, false_declarations, s
 from kr3_experiments.experiment.learning import Groups
 from kr3_experiments.experiment.robot import times_of_pairs
 from kr3_experiments.experiment.rows import Row
-from kr3_experiments.experiment.sweep import commit
 from kr3_experiments.experiment.throughput import GOALS, Throughput, measure
 from kr3_experiments.experiment.worker import trials_program
 
@@ -46,6 +44,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     parser.add_argument("--quick", action="store_true", help="rows of --quick experiments")
     parser.add_argument("--trials", type=int, default=0, help="as the experiments were run with")
+    parser.add_argument("--learned", action="store_true", help="likewise")
     parser.add_argument("--seed", type=int, default=Options.seed, help="likewise")
     parser.add_argument("--out", type=Path, help="folder of the rows (default: runs/experiments)")
     parser.add_argument("--json", type=Path, help="write the figures to this file")
@@ -64,7 +63,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """@return 1 when no experiment has rows. @throws Kr3Error  the file cannot be written"""
-    options = Options(quick=args.quick, seed=args.seed, trials=args.trials)
+    options = Options(args.quick, args.seed, args.trials, args.learned)
     out = args.out or repository_root() / "runs" / ("experiments" + "_quick" * args.quick)
     figures: List[Figure] = []
     for name, figures_of in _FIGURES.items():
@@ -84,14 +83,8 @@ def run(args: argparse.Namespace) -> int:
             figures.append(_throughput(point))
             print(figures[-1].line())
     if args.json:
-        content = {
-            "bench": "experiments",
-            "commit": commit(),
-            "machine": f"{platform.node()} {platform.machine()} {os.cpu_count()} cores",
-            "rows": [asdict(figure) for figure in figures],
-        }
         try:
-            args.json.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+            write_report(args.json, "experiments", repository_root(), map(asdict, figures))
         except OSError as error:
             raise Kr3Error(f"cannot write '{args.json}': {error.strerror}") from error
     return 0 if figures else 1
@@ -122,19 +115,22 @@ def _accuracy(rows: Sequence[Row]) -> List[Figure]:
             figures.append(
                 Figure("PA, success", success_of(group).value, "", goal, "higher", params)
             )
-        for budget in sorted({row["budget"] for row in select(here, method="pomdp1")}):
-            flat = select(here, method="pomdp1", budget=budget)
-            behind = [
-                cells
-                for cells in sorted({row["cells"] for row in flat})
-                if success_of(select(flat, cells=cells)).high
-                < success_of(select(pa, cells=cells)).low
-            ]
-            params = {"backups": budget, "noise": noise}
-            if behind:
-                figures.append(
-                    Figure("POMDP-1 falls behind at", behind[0], "cells", None, "higher", params)
-                )
+        for method in ("pomdp1", "pomdp1_online"):
+            for seconds in sorted({row["seconds"] for row in select(here, method=method)}):
+                flat = select(here, method=method, seconds=seconds)
+                behind = [
+                    cells
+                    for cells in sorted({row["cells"] for row in flat})
+                    if success_of(select(flat, cells=cells)).high
+                    < success_of(select(pa, cells=cells)).low
+                ]
+                params = {"method": method, "cpu_s": seconds, "noise": noise}
+                if behind:
+                    figures.append(
+                        Figure(
+                            "POMDP-1 falls behind at", behind[0], "cells", None, "higher", params
+                        )
+                    )
     return figures
 
 

@@ -2,6 +2,7 @@
 import argparse
 import os
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Dict, Iterator, List, Optional, Sequence, Tuple, Union
 
@@ -14,7 +15,7 @@ from kr3_experiments.experiment.defaults import Defaults
 from kr3_experiments.experiment.definition import Experiment, Findings, Options
 from kr3_experiments.experiment.learning import Learning
 from kr3_experiments.experiment.planning_time import PlanningTime
-from kr3_experiments.experiment.points import Configuration, configurations
+from kr3_experiments.experiment.points import Configuration, Point, configurations
 from kr3_experiments.experiment.report import head, section, write_report
 from kr3_experiments.experiment.robot import Robot
 from kr3_experiments.experiment.rows import Row, RowStore
@@ -36,6 +37,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, help="folder of the results (default: runs/experiments[_quick])"
     )
     parser.add_argument("--trials", type=int, default=0, help="a point, in place of the protocol's")
+    parser.add_argument(
+        "--learned",
+        action="store_true",
+        help="floors with the learned numbers (models_learned.yaml) in place of models.yaml",
+    )
     parser.add_argument("--seed", type=int, default=Options.seed, help="of the first trial")
     parser.add_argument(
         "--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)"
@@ -57,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
             raise Kr3Error(
                 f"--{option}: found {getattr(args, option)}, expected a number from {least}"
             )
-    options = Options(quick=args.quick, seed=args.seed, trials=args.trials)
+    options = Options(args.quick, args.seed, args.trials, args.learned)
     out = args.out or repository_root() / "runs" / ("experiments" + "_quick" * args.quick)
     names = list(_EXPERIMENTS) if args.name == "all" else [args.name]
     sections: List[Tuple[str, List[str], Findings]] = []
@@ -94,6 +100,7 @@ def _facts(options: Options) -> Dict[str, str]:
     return {
         "commit": commit(),
         "seeds": f"from {options.seed}",
+        "numbers of the floors": "models_learned.yaml" if options.learned else "models.yaml",
         "trials a point": str(options.trials or ("quick" if options.quick else "by the protocol")),
     }
 
@@ -125,6 +132,16 @@ def experiment_named(name: str) -> AnyExperiment:
     return _EXPERIMENTS[name]
 
 
+def _points(experiment: Experiment, options: Options) -> List[Point]:
+    """With --learned on floors of the learned numbers; `learning` has numbers of its own."""
+    points = experiment.points(options)
+    if not options.learned or isinstance(experiment, Learning):
+        return points
+    return [
+        replace(point, floor=replace(point.floor, models="models_learned.yaml")) for point in points
+    ]
+
+
 def stored_rows(experiment: AnyExperiment, options: Options, folder: Path) -> List[Row]:
     """The rows that are there. @throws Kr3Error  there are none"""
     if not (folder / "rows.csv").exists():
@@ -132,7 +149,7 @@ def stored_rows(experiment: AnyExperiment, options: Options, folder: Path) -> Li
     if isinstance(experiment, (PlanningTime, Robot)):
         return experiment.measure(folder, options, run=False)
     store = RowStore(folder, experiment.labels)
-    points = configurations(experiment.points(options), folder / "floors")
+    points = configurations(_points(experiment, options), folder / "floors")
     return store.of([point.digest for point in points])
 
 
@@ -165,7 +182,7 @@ def _run_missing(
     notes = [f"kept aside in {store.rejected_path.name}: {what}" for what in store.rejected]
     for note in notes:
         print(f"  {note}")
-    points = configurations(experiment.points(options), folder / "floors")
+    points = configurations(_points(experiment, options), folder / "floors")
     notes += _work_notes(points, run_sweep(points, store, executor))
     return sum(len(point.point.all_seeds()) for point in points), notes
 

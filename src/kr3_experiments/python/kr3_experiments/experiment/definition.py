@@ -13,7 +13,8 @@ from kr3_experiments.experiment.statistics import Estimate, mean, share
 METHOD_NAMES = {
     "pa": "PA",
     "pa_star": "PA*",
-    "pomdp1": "POMDP-1",
+    "pomdp1": "POMDP-1 ahead",
+    "pomdp1_online": "POMDP-1 online",
     "pomdp2": "POMDP-2",
     "hierarchical": "hierarchical POMDP-1",
 }
@@ -30,6 +31,7 @@ class Options:
         100_001  # of the first trial; no constant of the methods was tuned with seeds from here on
     )
     trials: int = 0  # a point; 0: as many as the protocol says
+    learned: bool = False  # floors with the numbers that the simulated robot learned
 
     def seeds(self, full: int, quick: int) -> "tuple[int, int]":
         """The first seed and the one after the last."""

@@ -49,13 +49,14 @@ class Learning:
     title = "Learned models"
     claim = "T and O are learned in a training phase before the missions; the paper does not say what its size changes."
     protocol = (
-        f"A floor of rooms of four cells whose errors are {_NOISE:g} times those of the hand-written models. The robot"
-        " tries each low-level action N times (./kr3 learn --world abstract), what it looks for N times where it is and N"
-        f" times where it is not, in {_TRAININGS} training phases ({_QUICK_TRAININGS} if quick), and plans with the means"
-        " of the posteriors; PA then acts in the true world. The same missions with the true models, and with the"
-        " hand-written ones that nobody learned. Model error: total variation between learned and true distributions,"
-        " mean over actions (T) and over sensors and truths (O); Kullback-Leibler divergence of both. Intervals of"
-        " model errors are over training phases, of losses over missions and training phases. Durations are learned as well; the abstract world has none that vary."
+        f"A floor of rooms of four cells whose errors are {_NOISE:g} times those of the hand-written models. The"
+        " robot tries each low-level action N times (./kr3 learn --world abstract), what it looks for N times where it"
+        f" is and N times where it is not, in {_TRAININGS} training phases ({_QUICK_TRAININGS} if quick), and plans"
+        " with the means of the posteriors; PA then acts in the true world. The same missions with the true models,"
+        " and with the hand-written ones that nobody learned. Model error: total variation between learned and true"
+        " distributions, mean over actions (T) and over sensors and truths (O); Kullback-Leibler divergence of both."
+        " Intervals of model errors are over training phases, of losses over missions and training phases. Durations"
+        " are learned as well; the abstract world has none that vary."
     )
     labels: Mapping[str, Callable[[str], Any]] = {
         "models": str,
@@ -200,8 +201,8 @@ class Learning:
             every = [groups.coverage(n) for n in groups.samples]
             worst = min(every, key=lambda cover: cover.value)
             statements.append(
-                f"Stated intervals of 95 % hold the true probability in {worst.text(3)} of the cases at the N where they"
-                " do so least."
+                f"Stated intervals of 95 % hold the true probability in {worst.text(3)} of the cases at the N where"
+                " they do so least."
             )
         cases = [(_LEARNED, n) for n in groups.samples]
         if groups.of(_HAND_WRITTEN):
@@ -323,7 +324,7 @@ def _untrained(rooms: int) -> List[Tuple[Dict[str, Any], str]]:
 def _trained(
     rooms: int, samples: Tuple[int, ...], training: int
 ) -> List[Tuple[Dict[str, Any], str]]:
-    """Labels and texts of the models of one training phase, at each number of samples: it goes on from one to the next."""
+    """Labels and texts of the models of one training phase, at each number of samples, each from the one before."""
     with tempfile.TemporaryDirectory(prefix="kr3_learning_") as name:
         folder = Path(name)
         Floor(rooms=rooms, defaults=0, noise=_NOISE).write(folder)

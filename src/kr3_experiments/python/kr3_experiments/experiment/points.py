@@ -23,6 +23,9 @@ class Floor:
     defaults: int = 3  # length of the chain of defaults
     layout: str = "grid"
     noise: float = 1.0  # of slips, looks and grasps, as a multiple of the models' error rates
+    models: str = (
+        "models.yaml"  # of the domain that floors are made from: the numbers that are multiplied
+    )
 
     def options(self) -> List[str]:
         """For make_floor.py."""
@@ -32,6 +35,7 @@ class Floor:
             *("--defaults", str(self.defaults)),
             *("--layout", self.layout),
             *("--noise", f"{self.noise:g}"),
+            *("--models", self.models),
         ]
 
     def write(self, folder: Path) -> None:

@@ -1,4 +1,5 @@
 """Robot trials: paired missions on the whole ROS stack in the simulated buildings."""
+import functools
 import hashlib
 import json
 import random
@@ -64,9 +65,12 @@ class _Setting:
     domain: Domain
     method: str
 
-    @property
+    @functools.cached_property
     def digest(self) -> str:
-        """Hash of what a mission depends on besides its seed and the programs: the domain and the stack file."""
+        """Hash of what a mission depends on besides its seed and the programs: the domain and the stack file.
+
+        As they are when it is asked for first: files that change while missions run do not change it.
+        """
         content = hashlib.sha256(f"{self.method} {_OBEY} {_MISSION_LIMIT_S}".encode())
         for file in [*sorted(self.domain.folder.iterdir()), package_config("stack.yaml")]:
             if file.is_file():
@@ -87,10 +91,11 @@ class Robot:
     title = "Robot trials"
     claim = f"POMDP-1 takes {_PAPER_RATIO} times as long as PA on the robot (39 % less time, p = 0.0023)."
     protocol = (
-        "Whole missions: simulator, navigation, camera, detection, executive, each a process. Of the places that the"
-        f" scenario names the object is in the first with probability {_OBEY}, else in one of the others; world and noise"
-        " have the same seed for every method. The oracle is PA that is told the place. Missions that fail count with the"
-        f" time that they took, {_MISSION_LIMIT_S:.0f} s of simulated time at most; the ground truth decides."
+        "Whole missions: simulator, navigation, camera, detection, executive, each a process. Of the places that"
+        f" the scenario names the object is in the first with probability {_OBEY}, else in one of the others; world"
+        " and noise have the same seed for every method. The oracle is PA that is told the place. Missions that fail"
+        f" count with the time that they took, {_MISSION_LIMIT_S:.0f} s of simulated time at most; the ground truth"
+        " decides."
     )
     labels: Mapping[str, Callable[[str], Any]] = {"building": str, "method": str}
 

@@ -1,12 +1,12 @@
 """Runs the trials that a sweep lacks, on this machine's cores or on a Dask cluster, and keeps their rows."""
 import queue
-import subprocess
 import sys
 import threading
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Optional, Protocol, Sequence, Tuple
 
+from kr3_common.bench_report import commit as commit_of
 from tqdm import tqdm
 
 from kr3_experiments.domain import repository_root
@@ -57,18 +57,7 @@ def missing_chunks(
 
 def commit() -> str:
     """Of the repository, with "+" when files differ from it; "unknown" outside of one."""
-    root = str(repository_root())
-
-    def git(*arguments: str) -> Optional[str]:
-        done = subprocess.run(
-            ["git", "-C", root, *arguments], capture_output=True, text=True, check=False
-        )
-        return done.stdout.strip() if done.returncode == 0 else None
-
-    head = git("rev-parse", "--short=12", "HEAD")
-    if head is None:
-        return "unknown"
-    return head + ("+" if git("status", "--porcelain", "--untracked-files=no") else "")
+    return commit_of(repository_root())
 
 
 def rows_of(chunk: Chunk, replies: Sequence[Reply], head: str) -> List[Row]:

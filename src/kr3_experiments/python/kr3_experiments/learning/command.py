@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Optional
 
 from kr3_experiments.bringup import (
-    DEFAULT_DOMAIN,
     World,
+    add_domain_argument,
     choose_port,
     existing_run_dir,
     new_run_dir,
@@ -32,12 +32,7 @@ _NOT_NEEDED = ("executive_node", "reasoner_node", "policy_node")
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
-    parser.add_argument(
-        "domain",
-        nargs="?",
-        default=DEFAULT_DOMAIN,
-        help=f"folder below domains/ (default: {DEFAULT_DOMAIN})",
-    )
+    add_domain_argument(parser)
     parser.add_argument(
         "--seed",
         type=int,

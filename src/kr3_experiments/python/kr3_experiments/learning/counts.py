@@ -123,7 +123,7 @@ class Sensor:
             self.true_negative += not observed.said
 
     def interval(self, truth: bool) -> Interval:
-        """The posterior of Pr(yes) where it is so, or where it is not; of a law that tells a value, of its being right."""
+        """The posterior of Pr(yes) where it is so, or where it is not; of a law that tells a value, of its truth."""
         yes = self.true_positive if truth else self.false_positive
         no = self.false_negative if truth else self.true_negative
         trials = self.trials.get(truth, [])

@@ -84,13 +84,24 @@ class Curriculum:
         key = (attempt.action, attempt.arguments)
         self._of_arguments[key] = self._of_arguments.get(key, 0) + 1
 
-    def next(self, state: State, avoid: Sequence[GroundAction] = ()) -> GroundAction:
+    def next(
+        self,
+        state: State,
+        avoid: Sequence[GroundAction] = (),
+        handled: Sequence[Set[str]] = (),
+    ) -> GroundAction:
         """The possible action that is wanted most; else one after which such an action is possible; else any.
 
-        @param avoid  could not be tried just now: others go before them
+        @param avoid    could not be tried just now: others go before them
+        @param handled  arguments of the fluents that the robot itself changed in this visit: what it put down lies at
+                        its feet, out of its camera's sight, as nothing does that it looks for in a mission. Actions
+                        that ask about that, or need it known, are not for this visit
         @throws Kr3Error  nothing is possible
         """
         possible = [action for action in self._actions if self._laws.possible(action, state)]
+        possible = [
+            action for action in possible if not self._is_stale(action, state, handled)
+        ] or possible
         possible = [
             action for action in possible if action.name not in {a.name for a in avoid}
         ] or possible
@@ -105,6 +116,14 @@ class Curriculum:
             return self._least_tried(here)
         leading = [a for a in possible if self._leads(a, state, most)]
         return self._least_tried(leading or here)
+
+    def _is_stale(self, action: GroundAction, state: State, handled: Sequence[Set[str]]) -> bool:
+        """Whether the action, or what is to be asked before it, asks about something that was handled."""
+        if not handled:
+            return False
+        first = self.enquiry(action, state, set())
+        about = [fluent for each in (action, first) if each for fluent in self.asked(each)]
+        return any(arguments_of(fluent) <= things for fluent in about for things in handled)
 
     def enquiry(
         self, action: GroundAction, state: State, known: Set[str]
@@ -220,6 +239,11 @@ def attempt_of(
     )
 
 
+def arguments_of(fluent: str) -> Set[str]:
+    """Of a ground fluent, f(a, b)."""
+    return {item.strip() for item in fluent.partition("(")[2].rstrip(")").split(",")} - {""}
+
+
 def moved(before: State, after: State) -> bool:
     """Whether a fluent has another value, which begins a new visit. Truths may change within one."""
     return any(
@@ -251,10 +275,11 @@ def train(
     failed: List[GroundAction] = []
     idle: List[GroundAction] = []  # since the state last changed
     known: Set[str] = set()  # said to be so since then
+    handled: List[Set[str]] = []  # arguments of what the robot changed in this visit
     in_vain: List[GroundAction] = []  # asked about since then, and said not to be so
     while curriculum.left() > 0:
         before = trainee.truth()
-        wanted = curriculum.next(before, [*failed, *in_vain, *_repeated(idle)])
+        wanted = curriculum.next(before, [*failed, *in_vain, *_repeated(idle)], handled)
         enquiry = curriculum.enquiry(wanted, before, known)
         if enquiry is not None and wanted in in_vain:
             enquiry = None  # nothing else is possible
@@ -274,6 +299,10 @@ def train(
                 ) from error
             continue
         failed = []
+        if moved(before, after):
+            handled = []
+        else:
+            handled += [arguments_of(f) for f, value in after.items() if before.get(f) != value]
         if before != after:
             idle, known, in_vain = [], set(), []
         else:

@@ -1,0 +1,1 @@
+"""What KR3's Python programs share."""
