@@ -273,8 +273,10 @@ Fingerprint CachedReasoner::keyOf(const char* question, const std::string& text,
   Fingerprint history = empty_;
   if (!told_.empty())
   {
-    history =
-        exactly || match_ == ConfidenceMatch::kExact ? told_.back().exact : told_.back().below_one;
+    // Which record is taken to be wrong depends on how doubtful each one is. While the situation is
+    // followed none is.
+    const bool none_wrong = match_ == ConfidenceMatch::kBelowOne && present_.has_value();
+    history = exactly || !none_wrong ? told_.back().exact : told_.back().below_one;
   }
   addKey(fingerprinter, history);
   fingerprinter.addText(question);

@@ -14,6 +14,7 @@
 #include "kr3_executive/abstract_mission.hpp"
 #include "kr3_executive/cached_reasoner.hpp"
 #include "kr3_executive/content_cache.hpp"
+#include "kr3_executive/scenario.hpp"
 
 namespace kr3::executive
 {
@@ -197,13 +198,16 @@ TEST_F(CachedReasonerTest, AnswersAreThoseOfTheReasoner)
 
 TEST_F(CachedReasonerTest, AnotherConfidenceCountsOnlyWhereItMatters)
 {
+  const auto start = readScenario(kOffice + "/scenario.yaml", description).initial_records;
   CachedReasoner sure(description, {}, cache);
   sure.restart(ConfidenceMatch::kBelowOne);
+  sure.addRecords(start);
   sure.addRecords(refuted(0.99));
   const auto first = sure.explain("loc(tb1) != main_library", 1);
   const auto least = sure.retractions("loc(tb1) = main_library", 1);
   CachedReasoner doubtful(description, {}, cache);
   doubtful.restart(ConfidenceMatch::kBelowOne);
+  doubtful.addRecords(start);
   doubtful.addRecords(refuted(0.6));
   const auto second = doubtful.explain("loc(tb1) != main_library", 1);
   EXPECT_EQ(cache->explanations.stats().hits, 1U);
@@ -221,6 +225,28 @@ TEST_F(CachedReasonerTest, AnotherConfidenceCountsOnlyWhereItMatters)
   sure.addRecords(refuted(0.71));
   static_cast<void>(sure.diagnose());
   EXPECT_EQ(cache->diagnoses.stats().hits, 0U);
+}
+
+TEST_F(CachedReasonerTest, WhichRecordIsWrongDependsOnHowDoubtfulEachIs)
+{
+  const auto seenInBoth = [](double in_kitchen, double in_office) -> std::vector<Record> {
+    return {{RecordKind::kObserved, "loc(rob1) = corridor", true, 0},
+            {RecordKind::kObserved, "loc(tb1) = kitchen", true, 0, in_kitchen},
+            {RecordKind::kObserved, "loc(tb1) = office", true, 0, in_office}};
+  };
+  CachedReasoner cached(description, {}, cache);
+  cached.restart(ConfidenceMatch::kBelowOne);
+  cached.addRecords(seenInBoth(0.9, 0.6));
+  EXPECT_EQ(cached.entails("loc(tb1) = kitchen", 0), reasoner::Answer::kTrue);
+  const auto there = cached.plan("in_hand(rob1, tb1)", 1, kGoOn);
+  cached.restart(ConfidenceMatch::kBelowOne);
+  cached.addRecords(seenInBoth(0.6, 0.9));
+  EXPECT_EQ(cached.entails("loc(tb1) = office", 0), reasoner::Answer::kTrue);
+  EXPECT_EQ(cached.entails("loc(tb1) = kitchen", 0), reasoner::Answer::kFalse);
+  const auto here = cached.plan("in_hand(rob1, tb1)", 1, kGoOn);
+  ASSERT_FALSE(there.plans.empty());
+  ASSERT_FALSE(here.plans.empty());
+  EXPECT_NE(here.plans[0].steps, there.plans[0].steps);
 }
 
 TEST_F(CachedReasonerTest, ALongHistoryIsNotLookedUp)

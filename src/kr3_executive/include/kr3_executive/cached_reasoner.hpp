@@ -36,12 +36,14 @@ struct ReasonerCache
 enum class ConfidenceMatch : std::uint8_t
 {
   kExact,
-  /// Only whether they are below 1: no model, plan or reason depends on more (the retractions do,
-  /// which are always looked up exactly). Where answers quote records in words, the confidences in
-  /// these words may be those of another history; Explanation::records are this one's. What the
-  /// answers about the current step depend on is the situation there (situation.hpp): they are
-  /// looked up by that, under names that do not matter, instead of by the history. Of plans that
-  /// are equally good another one may be found then, and they come in the order of their names.
+  /// Only whether they are below 1, as long as no record has to be taken to be wrong: then no
+  /// model, plan or reason depends on more (the retractions do, which are always looked up
+  /// exactly). Where answers quote records in words, the confidences in these words may be those of
+  /// another history; Explanation::records are this one's. What the answers about the current step
+  /// depend on is the situation there (situation.hpp): they are looked up by that, under names that
+  /// do not matter, instead of by the history. Of plans that are equally good another one may be
+  /// found then, and they come in the order of their names. Where nothing but a wrong record
+  /// explains a history it has no situation, and all is looked up exactly.
   kBelowOne,
 };
 
