@@ -39,7 +39,8 @@ def drawn_world(kind: str) -> World:
     draw = draw_source()
     if kind == "default":
         return World(domain, 1, default_place, REAL_TIME_FACTOR)
-    return World(domain, draw.randrange(1, 10**6), draw.choice(others), REAL_TIME_FACTOR)
+    place = draw.choice(others)
+    return World(domain, draw.randrange(1, 10**6), place, REAL_TIME_FACTOR, lockstep=True)
 
 
 class Mission(unittest.TestCase):

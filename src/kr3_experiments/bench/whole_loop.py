@@ -7,7 +7,6 @@ while it waits for the answers: a pose for every scan, and with --detector detec
 """
 
 import argparse
-import dataclasses
 import json
 import pathlib
 import re
@@ -23,8 +22,6 @@ if typing.TYPE_CHECKING:
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 DOMAIN = "office"
-SCAN_PERIOD_S = 0.1
-DETECTION_RATE_HZ = 5.0
 LIMIT_S = 600.0  # wall time
 SUMMARY = re.compile(r"(\d+) of (\d+) reached, (\d+) s simulated in ([0-9.]+) s, factor ([0-9.]+)")
 
@@ -45,7 +42,7 @@ def one_loop(work: pathlib.Path, detector: bool, drives: int, seed: int) -> dict
     """Start the nodes, let the robot drive. @return factor, drives, and what was answered a simulated second"""
     # Only here: the bench's other parts need no ROS.
     import rospy
-    from kr3_experiments.bringup import package_config
+    from kr3_experiments.bringup import package_config, start_followers
     from kr3_experiments.errors import Kr3Error
     from kr3_experiments.master import free_port
     from kr3_experiments.stack import Stack
@@ -57,34 +54,15 @@ def one_loop(work: pathlib.Path, detector: bool, drives: int, seed: int) -> dict
         "domain_dir": str(folder),
         "run_dir": str(work),
         "seed": seed,
-        "placements": [],
         "robot_start": building["robot"]["start"],
-        "real_time_factor": 0.0,
-        "method": "",
-        "scenario": "",
     }
-    specs = load_stack(package_config("loop_stack.yaml"), variables)
-    followed = [("navigation", "pose", SCAN_PERIOD_S)]
-    if detector:
-        whole = load_stack(package_config("stack.yaml"), variables)
-        specs += [
-            dataclasses.replace(spec, parameters={**spec.parameters, "max_rate": DETECTION_RATE_HZ})
-            for spec in whole
-            if spec.package == "kr3_perception"
-        ]
-        followed.append(("detector", "detections", 1.0 / DETECTION_RATE_HZ))
-    consumers = [name for name, _, _ in followed]
-    specs = [
-        (
-            dataclasses.replace(
-                spec, parameters={**spec.parameters, "lockstep_consumers": consumers}
-            )
-            if spec.package == "kr3_sim_ode"
-            else spec
-        )
-        for spec in specs
-    ]
-    counts = {topic: 0 for _, topic, _ in followed}
+    specs = load_stack(
+        package_config("loop_stack.yaml"),
+        variables,
+        lockstep=True,
+        leave_out=() if detector else ("detector_node",),
+    )
+    counts = {spec.follow.topic: 0 for spec in specs if spec.follow}
     lock = threading.Lock()
 
     def count(_message: object, topic: str) -> None:
@@ -93,9 +71,8 @@ def one_loop(work: pathlib.Path, detector: bool, drives: int, seed: int) -> dict
 
     with Stack(work, lambda line: print(line, file=sys.stderr)) as stack:
         stack.start_master(free_port())
-        for name, topic, period in followed:
-            command = ["rosrun", "kr3_sim_ode", "lockstep_follow", name, topic, str(period)]
-            stack.start_process(f"follow_{name}", [*command, "--timeout", str(LIMIT_S)])
+        start_followers(stack, specs)
+        for topic in counts:
             rospy.Subscriber(topic, rospy.AnyMsg, count, topic, queue_size=100)
         stack.start_nodes(specs)
         check = ["rosrun", "kr3_navigation", "drive_check"]

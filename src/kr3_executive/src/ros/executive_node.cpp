@@ -117,8 +117,15 @@ ExecutiveNode::ExecutiveNode(ros::NodeHandle nh, const ros::NodeHandle& private_
         ReasonerSettings{{}, config_.driver.history_window});
   }
   HighLevelReasoner& reasoner = knows_defaults ? reasoner_ : *own_reasoner_;
+  LowLevelExecutor* executor = executor_.get();
+  if (config_.lockstep)
+  {
+    pace_ = std::make_unique<ThinkingPace>(nh);
+    paced_executor_ = std::make_unique<PacedExecutor>(*executor_, *pace_);
+    executor = paced_executor_.get();
+  }
   driver_ = makeMission(config_.method,
-                        {*domain_, models_, *narrator_, reasoner, policies_, *executor_, *this,
+                        {*domain_, models_, *narrator_, reasoner, policies_, *executor, *this,
                          now_s, config_.driver},
                         config_.baseline);
   restoreKnowledge();

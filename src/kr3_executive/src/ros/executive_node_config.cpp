@@ -38,6 +38,8 @@ ExecutiveNodeConfig loadExecutiveNodeConfig(const ros::NodeHandle& private_nh)
   config.peer_deadline_s = params.get("peer_deadline_s", config.peer_deadline_s);
   params.check(config.peer_deadline_s > 0.0, "peer_deadline_s", "must be positive");
 
+  config.lockstep = params.get("lockstep", config.lockstep);
+
   const auto count = [&params](const std::string& name, int fallback, int least) {
     const int value = params.get(name, fallback);
     params.check(value >= least, name, "must be at least " + std::to_string(least));

@@ -19,6 +19,7 @@ struct ExecutiveNodeConfig
   std::string scenario;    ///< may be empty
   std::string state_file;  ///< may be empty
   double peer_deadline_s = 60.0;
+  bool lockstep = false;  ///< a simulation waits for what the mission thinks
   Method method = Method::kPa;
   BaselineOptions baseline;
   DriverConfig driver;

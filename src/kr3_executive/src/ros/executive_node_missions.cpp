@@ -81,6 +81,7 @@ MissionResult ExecutiveNode::runMission(const MissionUnderWay& mission)
     under_way_ = mission;
     mission_start_s_ = ros::Time::now().toSec();
   }
+  const Thinking thinking(pace_.get());
   const auto over = [this] {
     {
       const std::lock_guard<std::mutex> lock(mutex_);

@@ -5,7 +5,7 @@ import os
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, Optional, Sequence
 
 import yaml
 
@@ -13,10 +13,11 @@ from kr3_experiments.domain import Domain, load_domain, repository_root
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.master import free_port, is_master
 from kr3_experiments.stack import Stack
-from kr3_experiments.stack_file import load_stack
+from kr3_experiments.stack_file import NodeSpec, load_stack
 
 DEFAULT_PORT = 11311
 DEFAULT_DOMAIN = "office"
+_LOCKSTEP_PATIENCE_S = 120.0  # wall time that the simulation waits for a node that is not heard of
 METHODS = ["pa", "pa_star", "pomdp1", "pomdp2", "hierarchical"]
 
 
@@ -33,6 +34,7 @@ class World:
         "models.yaml"  # that the robot plans with and believes by; file in the domain's folder
     )
     told: bool = False  # the robot is told where the target is: an oracle to compare with
+    lockstep: bool = False  # as fast as the machine can; the simulation waits for the nodes
 
 
 def add_domain_argument(parser: argparse.ArgumentParser) -> None:
@@ -62,6 +64,11 @@ def add_world_options(parser: argparse.ArgumentParser) -> None:
         default=4.0,
         metavar="X",
         help="simulated s per s of wall time (default: 4); 0: as fast as possible",
+    )
+    parser.add_argument(
+        "--lockstep",
+        action="store_true",
+        help="as fast as possible while the simulation waits for every answer; thinking takes its wall time",
     )
     parser.add_argument(
         "--method",
@@ -95,7 +102,14 @@ def world_from(args: argparse.Namespace) -> World:
         known = ", ".join(sorted(path.name for path in domain.folder.glob("models*.yaml")))
         raise Kr3Error(f"--models {args.models}: no such file; {domain.folder} has {known}")
     return World(
-        domain, args.seed, place, args.real_time_factor, args.method, args.models, args.told
+        domain,
+        args.seed,
+        place,
+        args.real_time_factor,
+        args.method,
+        args.models,
+        args.told,
+        args.lockstep,
     )
 
 
@@ -140,8 +154,19 @@ def start_stack(
     """
     if needs_map:
         world.domain.require_map()
-    specs = load_stack(stack_file or package_config("stack.yaml"), stack_variables(world, run_dir))
+    file = stack_file or package_config("stack.yaml")
+    specs = load_stack(file, stack_variables(world, run_dir), world.lockstep)
+    start_followers(stack, specs)
     stack.start_nodes(specs)
+
+
+def start_followers(stack: Stack, specs: Sequence[NodeSpec]) -> None:
+    """Programs that acknowledge, in lockstep, for nodes that know nothing of it."""
+    for spec in specs:
+        if spec.follow is not None:
+            command = ["rosrun", "kr3_sim_ode", "lockstep_follow", spec.name, spec.follow.topic]
+            command += [str(spec.follow.period_s), "--timeout", str(_LOCKSTEP_PATIENCE_S)]
+            stack.start_process(f"lockstep_{spec.name}", command)
 
 
 def new_run_dir(kind: str) -> Path:

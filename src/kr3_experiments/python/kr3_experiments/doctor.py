@@ -65,8 +65,7 @@ def check_domains() -> List[Finding]:
 
 def check_packages() -> List[Finding]:
     """Whether the workspace has the package of every node."""
-    names = ["domain_dir", "run_dir", "seed", "placements", "robot_start", "real_time_factor"]
-    specs = load_stack(package_config("stack.yaml"), {name: name for name in names})
+    specs = load_stack(package_config("stack.yaml"), None)
     packages = rospkg.RosPack()
     findings: List[Finding] = []
     for spec in specs:

@@ -63,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
             raise Kr3Error(
                 f"--{option}: found {getattr(args, option)}, expected a number from {least}"
             )
-    options = Options(args.quick, args.seed, args.trials, args.learned)
+    options = Options(args.quick, args.seed, args.trials, args.learned, args.jobs)
     out = args.out or repository_root() / "runs" / ("experiments" + "_quick" * args.quick)
     names = list(_EXPERIMENTS) if args.name == "all" else [args.name]
     sections: List[Tuple[str, List[str], Findings]] = []

@@ -32,6 +32,7 @@ class Options:
     )
     trials: int = 0  # a point; 0: as many as the protocol says
     learned: bool = False  # floors with the numbers that the simulated robot learned
+    jobs: int = 1  # missions of `robot` at a time
 
     def seeds(self, full: int, quick: int) -> "tuple[int, int]":
         """The first seed and the one after the last."""

@@ -6,6 +6,7 @@ import random
 import shutil
 import subprocess
 import tempfile
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
@@ -38,6 +39,7 @@ _PAIRS = 25  # a building
 _QUICK_PAIRS = 3
 _ORACLE = "oracle"
 _METHODS = ["pa", "hierarchical", _ORACLE]
+_MODELS = "models_learned.yaml"  # of every method: what looks, drives and grasps of this robot take and yield
 _OBEY = 0.8  # share of missions in which the object is in the first place that the scenario names
 _MISSION_LIMIT_S = 3600.0  # simulated
 _WALL_LIMIT_S = 3600.0  # of a stack that hangs
@@ -71,7 +73,7 @@ class _Setting:
 
         As they are when it is asked for first: files that change while missions run do not change it.
         """
-        content = hashlib.sha256(f"{self.method} {_OBEY} {_MISSION_LIMIT_S}".encode())
+        content = hashlib.sha256(f"{self.method} {_MODELS} {_OBEY} {_MISSION_LIMIT_S}".encode())
         for file in [*sorted(self.domain.folder.iterdir()), package_config("stack.yaml")]:
             if file.is_file():
                 content.update(file.name.encode() + b"\0" + file.read_bytes())
@@ -91,24 +93,30 @@ class Robot:
     title = "Robot trials"
     claim = f"POMDP-1 takes {_PAPER_RATIO} times as long as PA on the robot (39 % less time, p = 0.0023)."
     protocol = (
-        "Whole missions: simulator, navigation, camera, detection, executive, each a process. Of the places that"
+        "Whole missions: simulator, navigation, camera, detection, executive, each a process, in lockstep: the"
+        " simulation waits for every pose and detection, and thinking takes its wall time. Of the places that"
         f" the scenario names the object is in the first with probability {_OBEY}, else in one of the others; world"
-        " and noise have the same seed for every method. The oracle is PA that is told the place. Missions that fail"
+        " and noise have the same seed for every method; all plan with the numbers that the simulated robot learned"
+        f" ({_MODELS}). The oracle is PA that is told the place. Missions that fail"
         f" count with the time that they took, {_MISSION_LIMIT_S:.0f} s of simulated time at most; the ground truth"
         " decides."
     )
     labels: Mapping[str, Callable[[str], Any]] = {"building": str, "method": str}
 
     def settings(self) -> List[_Setting]:
-        """@throws Kr3Error  a building has no map or no detector's model yet"""
+        """@throws Kr3Error  a building has no map, no detector's model or no learned numbers yet"""
         domains = [load_domain(name, repository_root()) for name in _DOMAINS]
         for domain in domains:
             domain.require_map()
             domain.require_model()
+            if not (domain.folder / _MODELS).is_file():
+                raise Kr3Error(
+                    f"no {_MODELS} in {domain.folder}: `./kr3 learn {domain.name}` writes one"
+                )
         return [_Setting(domain, method) for domain in domains for method in _METHODS]
 
     def measure(self, folder: Path, options: Options, run: bool = True) -> List[Row]:
-        """Run the missions that are missing, one at a time, pair by pair: all methods meet the same machine."""
+        """Run the missions that are missing, `options.jobs` at a time, pair by pair."""
         store = RowStore(folder, self.labels, _RESULTS)
         settings = self.settings()
         seeds = range(*options.seeds(full=_PAIRS, quick=_QUICK_PAIRS))
@@ -123,10 +131,18 @@ class Robot:
         if run:
             with tqdm(
                 total=total, initial=total - len(missing), unit="mission", mininterval=1
-            ) as bar:
-                for setting, seed in missing:
-                    store.add([_mission(setting, seed, head, folder / "lost")])
-                    bar.update()
+            ) as bar, ThreadPoolExecutor(options.jobs) as pool:
+                under_way = [
+                    pool.submit(_mission, setting, seed, head, folder / "lost")
+                    for setting, seed in missing
+                ]
+                try:
+                    for mission in as_completed(under_way):
+                        store.add([mission.result()])
+                        bar.update()
+                finally:
+                    for mission in under_way:
+                        mission.cancel()  # those that have not begun
         return [
             row
             for row in store.of([setting.digest for setting in settings])
@@ -276,9 +292,9 @@ def _mission(setting: _Setting, seed: int, head: str, lost: Path) -> Row:
     oracle = setting.method == _ORACLE
     with tempfile.TemporaryDirectory(prefix="kr3_robot_") as temporary:
         folder = Path(temporary)
-        command = ["rosrun", "kr3_experiments", "kr3_cli", "demo", "--no-bag"]
-        command += ["--domain", setting.domain.name, "--seed", str(seed)]
-        command += ["--target-at", str(row["truth"]), "--run-dir", str(folder)]
+        command = ["rosrun", "kr3_experiments", "kr3_cli", "demo", "--no-bag", "--lockstep"]
+        command += ["--domain", setting.domain.name, "--models", _MODELS]
+        command += ["--seed", str(seed), "--target-at", str(row["truth"]), "--run-dir", str(folder)]
         command += ["--method", "pa" if oracle else setting.method, *["--told"] * oracle]
         command += ["--time-limit", str(_WALL_LIMIT_S), "--mission-limit", str(_MISSION_LIMIT_S)]
         with (folder / "output.txt").open("w", encoding="utf-8") as output:

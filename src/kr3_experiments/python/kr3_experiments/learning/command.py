@@ -12,6 +12,7 @@ from kr3_experiments.bringup import (
     new_run_dir,
     package_config,
     stack_variables,
+    start_followers,
 )
 from kr3_experiments.domain import load_domain, repository_root
 from kr3_experiments.errors import Kr3Error
@@ -88,9 +89,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--real-time-factor",
         type=float,
-        default=2.0,
         metavar="X",
-        help="simulated s per s (default: 2); what the machine cannot keep up with is learned as the robot's fault",
+        help="simulated s per s of wall time, waiting for nobody (default: lockstep, as fast as the machine can);"
+        " what the machine cannot keep up with is learned as the robot's fault",
     )
     parser.add_argument(
         "--world",
@@ -171,20 +172,18 @@ def _drive(args: argparse.Namespace, lesson: Lesson, wanted: int, terminal: Term
     )
     if log.attempts:
         terminal.detail(f"{len(log.attempts)} attempts are there already")
-    world = World(domain, args.seed, domain.target.at, args.real_time_factor)
+    lockstep = args.real_time_factor is None
+    world = World(domain, args.seed, domain.target.at, args.real_time_factor or 0.0)
     # A run that goes on meets another world: the same one would repeat the same chances.
     variables = {
         **stack_variables(world, run_dir),
         "seed": args.seed + 1000003 * len(log.attempts) % 2**31,
     }
-    specs = [
-        spec
-        for spec in load_stack(package_config("stack.yaml"), variables)
-        if spec.name not in _NOT_NEEDED
-    ]
+    specs = load_stack(package_config("stack.yaml"), variables, lockstep, _NOT_NEEDED)
     interrupted: Optional[BaseException] = None
     with Stack(run_dir, terminal.detail) as stack:
         stack.start_master(choose_port(args.port))
+        start_followers(stack, specs)
         stack.start_nodes(specs)
         robot = Robot(stack, truth, lesson.bindings, Distances(lesson.entries, lesson.keys))
         laws = lesson.laws(components(robot.cells))
