@@ -260,6 +260,7 @@ OccupancyMap OccupancyMap::copy() const
 OccupancyMap OccupancyMap::coarsened(double resolution_m) const
 {
   constexpr double kRounding = 1e-9;
+  constexpr double kMaxCoarseNodes = 2e7;  // 0.1 us each
   const octomap::OcTree& fine = impl_->tree;
   unsigned int depth = fine.getTreeDepth();
   double resolution = fine.getResolution();
@@ -276,6 +277,14 @@ OccupancyMap OccupancyMap::coarsened(double resolution_m) const
   octomap::OcTree& coarse = impl->tree;
   coarse.setProbHit(fine.getProbHit());
   coarse.setProbMiss(fine.getProbMiss());
+  double num_nodes = 0.0;
+  for (auto leaf = fine.begin_leafs(static_cast<unsigned char>(depth)), end = fine.end_leafs();
+       leaf != end; ++leaf)
+    num_nodes += std::pow(leaf.getSize() / resolution, 3.0);
+  if (num_nodes > kMaxCoarseNodes)
+    throw InvalidArgument("the map fills " + std::to_string(num_nodes * std::pow(resolution, 3.0)) +
+                          " cubic metres, too many in nodes of " + std::to_string(resolution) +
+                          " m: more than 20 million");
   // An inner node's occupancy is the greatest of its children's.
   for (auto leaf = fine.begin_leafs(static_cast<unsigned char>(depth)), end = fine.end_leafs();
        leaf != end; ++leaf)
@@ -374,6 +383,7 @@ std::size_t OccupancyMap::numLeaves() const
 
 OccupancyGrid OccupancyMap::project(double z_min_m, double z_max_m, const Rectangle& area) const
 {
+  constexpr double kMaxNodes = 25e6;  // 500 m x 500 m at 0.1 m; planning takes 30 bytes a node
   const octomap::OcTree& tree = impl_->tree;
   const double resolution = tree.getResolution();
   Rectangle extent = area;
@@ -387,6 +397,10 @@ OccupancyGrid OccupancyMap::project(double z_min_m, double z_max_m, const Rectan
     extent.x_max = std::max(extent.x_max, x);
     extent.y_max = std::max(extent.y_max, y);
   }
+  if (!(extent.width() / resolution * (extent.height() / resolution) <= kMaxNodes))
+    throw InvalidArgument("the map is " + std::to_string(extent.width()) + " m x " +
+                          std::to_string(extent.height()) + " m in nodes of " +
+                          std::to_string(resolution) + " m: more than 25 million");
   // Grid nodes coincide with the tree's nodes, whose borders are multiples of the resolution.
   const int first_column = static_cast<int>(std::floor(extent.x_min / resolution + 1e-6));
   const int first_row = static_cast<int>(std::floor(extent.y_min / resolution + 1e-6));
@@ -396,12 +410,6 @@ OccupancyGrid OccupancyMap::project(double z_min_m, double z_max_m, const Rectan
   grid.geometry.width =
       static_cast<int>(std::ceil(extent.x_max / resolution - 1e-6)) - first_column;
   grid.geometry.height = static_cast<int>(std::ceil(extent.y_max / resolution - 1e-6)) - first_row;
-  constexpr double kMaxNodes = 1e8;
-  if (static_cast<double>(grid.geometry.width) * static_cast<double>(grid.geometry.height) >
-      kMaxNodes)
-    throw InvalidArgument("the map is " + std::to_string(extent.width()) + " m x " +
-                          std::to_string(extent.height()) + " m in nodes of " +
-                          std::to_string(resolution) + " m: more than 100 million");
   grid.nodes.assign(grid.geometry.size(), Occupancy::kUnknown);
   if (tree.size() == 0)
     return grid;

@@ -13,7 +13,8 @@ namespace kr3::navigation
 namespace
 {
 
-constexpr double kTouch = 0.01;  // m: rectangles that share a wall may overlap by rounding
+constexpr double kFarthest = 10e3;  // m
+constexpr double kTouch = 0.01;     // m: rectangles that share a wall may overlap by rounding
 
 [[noreturn]] void fail(const std::string& source, const YAML::Mark& mark,
                        const std::string& problem)
@@ -38,7 +39,7 @@ double numberOf(const YAML::Node& node, const std::string& source)
   try
   {
     const double value = node.as<double>();
-    if (std::isfinite(value))
+    if (std::abs(value) <= kFarthest)
       return value;
   }
   catch (const YAML::Exception&)
@@ -46,7 +47,8 @@ double numberOf(const YAML::Node& node, const std::string& source)
     // reported below
   }
   fail(source, node.Mark(),
-       "expected a number in metres" + (node.IsScalar() ? ", found '" + node.Scalar() + "'" : ""));
+       "expected a number in metres, within 10 km of the origin" +
+           (node.IsScalar() ? ", found '" + node.Scalar() + "'" : ""));
 }
 
 Rectangle rectangleOf(const YAML::Node& node, const std::string& source,

@@ -218,6 +218,23 @@ TEST(OccupancyMap, RefusesDamagedFiles)
   std::filesystem::remove(path);
 }
 
+TEST(OccupancyMap, RefusesToUnfoldMapsOfKilometres)
+{
+  const std::filesystem::path path = temporaryFile("kilometres.bt");
+  // The root and one of its children, a free leaf of half the length of everything.
+  std::ofstream(path, std::ios::binary)
+      << "# Octomap OcTree binary file\nid OcTree\nsize 2\nres 0.05\ndata\n"
+      << std::string{'\x02', '\x00'};
+  const OccupancyMap map = OccupancyMap::load(path, OccupancyMapOptions{});
+  std::filesystem::remove(path);
+  EXPECT_EQ(map.numLeaves(), 1U);
+  EXPECT_THROW((void)map.project(0.2, 0.4, kTwoRoomsArea), InvalidArgument);
+  EXPECT_THROW((void)map.coarsened(0.1), InvalidArgument);
+  const OccupancyMap small{OccupancyMapOptions{}};
+  for (const double far : {1e5, 1e300, std::numeric_limits<double>::infinity()})
+    EXPECT_THROW((void)small.project(0.2, 0.4, {0.0, 0.0, far, 1e4}), InvalidArgument) << far;
+}
+
 TEST(OccupancyMap, ACoarseMapIsOccupiedWhereAPartOfItIs)
 {
   std::mt19937_64 random(1);

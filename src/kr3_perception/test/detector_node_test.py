@@ -51,6 +51,12 @@ def image_message(pixels: numpy.ndarray, stamp: float) -> Image:
     return message
 
 
+def camera_info(focal: float = FOCAL, width: int = 640, distortion=()) -> CameraInfo:
+    return CameraInfo(
+        width=width, height=480, K=[focal, 0, 320, 0, FOCAL, 240, 0, 0, 1], D=distortion
+    )
+
+
 def wait_until(condition) -> bool:
     """Polls, with a deadline in wall time."""
     event = threading.Event()
@@ -72,9 +78,7 @@ class DetectorNodeTest(unittest.TestCase):
         self.node = subprocess.Popen(["rosrun", "kr3_perception", "detector_node"])
         self.images = rospy.Publisher("camera/image_raw", Image, queue_size=1)
         self.infos = rospy.Publisher("camera/camera_info", CameraInfo, queue_size=1, latch=True)
-        self.infos.publish(
-            CameraInfo(width=640, height=480, K=[FOCAL, 0, 320, 0, FOCAL, 240, 0, 0, 1])
-        )
+        self.infos.publish(camera_info())
         self.received = []
         self.stamp = 100.0
 
@@ -132,15 +136,24 @@ class DetectorNodeTest(unittest.TestCase):
         broken.data = broken.data[:1000]
         odd = image_message(picture_of("tb1.png"), 4.0)
         odd.encoding = "made_up"
-        for message in (Image(), broken, odd):
+        # 4 GB by its numbers, whose product in 32 bits is the 64 KiB that there are.
+        huge = Image(height=65536, width=1, step=65537, encoding="bgr8", data=bytes(65536))
+        wide = Image(height=1, width=2**31, step=2**31, encoding="mono8")
+        for number, message in enumerate((Image(), broken, odd, huge, wide)):
             self.images.publish(message)
+            self.answer_to(image_message(picture_of("tb2.png"), 3.1 + 0.1 * number))
         again = self.answer_to(image_message(picture_of("tb2.png"), 5.0))
         self.assertEqual([d.name for d in again.detections], ["tb2"])
 
-        for distortion in ([0.1, 0.2, 0.3], [float("nan")] * 5):
-            info = CameraInfo(width=640, height=480, K=[FOCAL, 0, 320, 0, FOCAL, 240, 0, 0, 1])
-            info.D = distortion
-            self.infos.publish(info)
+        for focal, width, distortion in (
+            (FOCAL, 640, [0.1, 0.2, 0.3]),
+            (FOCAL, 640, [float("nan")] * 5),
+            (float("inf"), 640, []),
+            (FOCAL, 2**31, []),
+        ):
+            self.infos.publish(camera_info())
+            self.assertTrue(wait_until(self.position_known))
+            self.infos.publish(camera_info(focal, width, distortion))
             self.assertTrue(
                 wait_until(lambda: not self.position_known()), "a bad calibration gives positions"
             )

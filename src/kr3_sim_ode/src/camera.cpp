@@ -107,6 +107,9 @@ public:
     state.setAttributeAndModes(new osg::CullFace(osg::CullFace::BACK));
 
     addBuilding();
+    // Now, so that one that cannot be read is an error here and not in the first picture of it.
+    for (const ObjectModel& model : models_)
+      (void)texture(model.texture, kObjectAnisotropy);
     setLight(0);
 
     viewer_.setThreadingModel(osgViewer::Viewer::SingleThreaded);
@@ -172,20 +175,26 @@ public:
   }
 
 private:
-  osg::ref_ptr<osg::MatrixTransform> add(const osg::ref_ptr<osg::Geometry>& geometry,
-                                         const std::string& texture, float anisotropy,
-                                         const osg::Matrixd& pose)
+  /// Loaded at its first use, with the anisotropy of that use.
+  osg::ref_ptr<osg::Texture2D> texture(const std::string& path, float anisotropy)
   {
-    osg::ref_ptr<osg::Texture2D>& image = textures_[texture];
+    osg::ref_ptr<osg::Texture2D>& image = textures_[path];
     if (!image)
     {
-      image = loadTexture(texture, anisotropy);
+      image = loadTexture(path, anisotropy);
     }
+    return image;
+  }
+
+  osg::ref_ptr<osg::MatrixTransform> add(const osg::ref_ptr<osg::Geometry>& geometry,
+                                         const std::string& texture_path, float anisotropy,
+                                         const osg::Matrixd& pose)
+  {
     osg::ref_ptr<osg::Geode> geode = new osg::Geode;
     geode->addDrawable(geometry);
     osg::ref_ptr<osg::MatrixTransform> node = new osg::MatrixTransform(pose);
     node->addChild(geode);
-    node->getOrCreateStateSet()->setTextureAttributeAndModes(0, image);
+    node->getOrCreateStateSet()->setTextureAttributeAndModes(0, texture(texture_path, anisotropy));
     root_->addChild(node);
     return node;
   }

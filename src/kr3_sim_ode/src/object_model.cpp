@@ -10,6 +10,15 @@
 namespace kr3::sim
 {
 
+namespace
+{
+// What ODE can compute with; it ends the process when it meets an inertia of zero.
+constexpr double kSmallest = 0.001;  // m
+constexpr double kLargest = 20.0;
+constexpr double kLightest = 0.001;  // kg
+constexpr double kHeaviest = 10000.0;
+}  // namespace
+
 double ObjectModel::footprintRadius() const
 {
   return shape == Shape::kCylinder ? size.x / 2.0 : std::hypot(size.x, size.y) / 2.0;
@@ -38,13 +47,18 @@ std::vector<ObjectModel> loadObjectModels(const std::string& path)
     }
     model.shape = shape == "box" ? Shape::kBox : Shape::kCylinder;
     const auto size = yaml.numbers(node, "size", model.shape == Shape::kBox ? 3 : 2);
-    if (*std::min_element(size.begin(), size.end()) <= 0.0)
+    if (*std::min_element(size.begin(), size.end()) < kSmallest ||
+        *std::max_element(size.begin(), size.end()) > kLargest)
     {
-      yaml.fail(node["size"], "'size' must be numbers above 0");
+      yaml.fail(node["size"], "'size' must be numbers from 0.001 to 20 m");
     }
     model.size = model.shape == Shape::kBox ? Vector3{size[0], size[1], size[2]}
                                             : Vector3{size[0], size[0], size[1]};
     model.mass_kg = yaml.positive(node, "mass");
+    if (model.mass_kg < kLightest || model.mass_kg > kHeaviest)
+    {
+      yaml.fail(node["mass"], "'mass' must be a number from 0.001 to 10000 kg");
+    }
     model.texture = yaml.file(node, "texture");
     models.push_back(model);
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include <nlohmann/json.hpp>
+
 #include <kr3_common/error.hpp>
 
 namespace kr3::sim
@@ -11,6 +13,19 @@ namespace kr3::sim
 
 namespace
 {
+bool isUtf8(const std::string& text)
+{
+  try
+  {
+    (void)nlohmann::json(text).dump();
+    return true;
+  }
+  catch (const nlohmann::json::type_error&)
+  {
+    return false;
+  }
+}
+
 YAML::Node parsed(const std::string& path)
 {
   try
@@ -85,6 +100,10 @@ std::string YamlReader::text(const YAML::Node& map, const std::string& key) cons
   if (!node.IsScalar() || node.Scalar().empty())
   {
     fail(node, "'" + key + "' must be a text");
+  }
+  if (!isUtf8(node.Scalar()))
+  {
+    fail(node, "'" + key + "' must be a text in UTF-8");
   }
   return node.Scalar();
 }

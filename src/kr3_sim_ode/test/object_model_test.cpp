@@ -51,6 +51,13 @@ TEST(ObjectModel, RefusesBadEntriesWithTheirLine)
               testing::HasSubstr("objects.yaml:2: unknown shape 'ball', expected box or cylinder"));
   EXPECT_THAT(loadError("objects:\n  - {name: a, class: c, shape: box, size: [1, 1]}\n"),
               testing::HasSubstr(":2: 'size' must be a list of 3 numbers"));
+  EXPECT_THAT(loadError("objects:\n  - {name: \"a\xff\", class: c, shape: box}\n"),
+              testing::HasSubstr(":2: 'name' must be a text in UTF-8"));
+  const std::string sizes = "objects:\n  - {name: a, class: c, shape: box, size: ";
+  EXPECT_THAT(loadError(sizes + "[1e-300, 1, 1], mass: 1, texture: t.png}\n"),
+              testing::HasSubstr(":2: 'size' must be numbers from 0.001 to 20 m"));
+  EXPECT_THAT(loadError(sizes + "[1, 1, 1], mass: 1e300, texture: t.png}\n"),
+              testing::HasSubstr(":2: 'mass' must be a number from 0.001 to 10000 kg"));
   EXPECT_THAT(loadError("things: []\n"), testing::HasSubstr(":1: unknown key 'things'"));
   EXPECT_THAT(loadError("- 1\n"), testing::HasSubstr(":1: an objects file must be a map"));
 }

@@ -33,7 +33,13 @@ struct GridGeometry
   {
     return column >= 0 && row >= 0 && column < width && row < height;
   }
-  [[nodiscard]] bool contains(Point p) const { return isInside(column(p.x), row(p.y)); }
+  /// Of any point: also of one that is far away or not finite.
+  [[nodiscard]] bool contains(Point p) const
+  {
+    const double u = (p.x - origin.x) / resolution_m;
+    const double v = (p.y - origin.y) / resolution_m;
+    return u >= 0.0 && v >= 0.0 && u < width && v < height;
+  }
   /// Index of the node that holds p. Only for points with contains().
   [[nodiscard]] int index(Point p) const { return row(p.y) * width + column(p.x); }
   [[nodiscard]] Point center(int index) const
@@ -73,10 +79,11 @@ struct DistanceField
     const double v = (p.y - geometry.origin.y) / geometry.resolution_m - 0.5;
     const double u_floor = std::floor(u);
     const double v_floor = std::floor(v);
+    if (!(u_floor >= 0.0 && v_floor >= 0.0 && u_floor + 1.0 < geometry.width &&
+          v_floor + 1.0 < geometry.height))
+      return outside_m;
     const int column = static_cast<int>(u_floor);
     const int row = static_cast<int>(v_floor);
-    if (!(column >= 0 && row >= 0 && column + 1 < geometry.width && row + 1 < geometry.height))
-      return outside_m;
     const auto first = static_cast<std::size_t>(row * geometry.width + column);
     const auto above = first + static_cast<std::size_t>(geometry.width);
     const double a = u - u_floor;

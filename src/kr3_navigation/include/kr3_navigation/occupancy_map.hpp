@@ -44,6 +44,7 @@ public:
 
   /// The same map with nodes twice as large as often as they stay within `resolution_m`; a node is
   /// occupied where a part of it is, else free where a part of it is.
+  /// @throws InvalidArgument  that would be more than 20 million nodes
   [[nodiscard]] OccupancyMap coarsened(double resolution_m) const;
 
   /// Adds what a scan shows: nodes hit are more likely occupied, nodes passed are more likely free.
@@ -65,6 +66,7 @@ public:
 
   /// The map between two heights, over at least `area`: occupied where any node of the column is,
   /// else free where any is, else unknown.
+  /// @throws InvalidArgument  that would be more than 25 million nodes
   [[nodiscard]] OccupancyGrid project(double z_min_m, double z_max_m, const Rectangle& area) const;
 
   [[nodiscard]] double resolution() const;

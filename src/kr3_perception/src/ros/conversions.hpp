@@ -3,6 +3,7 @@
 #include <optional>
 
 #include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/Image.h>
 
 #include <kr3_msgs/Detection.h>
 
@@ -16,8 +17,15 @@ namespace kr3::perception
 [[nodiscard]] kr3_msgs::Detection toMsg(const Detection& detection,
                                         const std::optional<cv::Point3d>& position);
 
+/// cv_bridge compares sizes in 32 bits, and reads beyond the data of an image that lies about its
+/// own.
+/// @throws InvalidArgument  an image without pixels, with a side of more than 16384, or with more
+/// or fewer bytes than its numbers say
+void checkSize(const sensor_msgs::Image& image);
+
 /// A camera's calibration; nothing when the camera is not calibrated (K[0] = 0).
-/// @throws InvalidArgument  distortion coefficients that are not finite or of no known model
+/// @throws InvalidArgument  numbers that are not finite, a side of more than 16384 pixels,
+/// or distortion coefficients of no known model
 [[nodiscard]] std::optional<Intrinsics> fromMsg(const sensor_msgs::CameraInfo& info);
 
 }  // namespace kr3::perception

@@ -143,9 +143,7 @@ void DetectorNode::process(const sensor_msgs::Image& image)
   message.header = image.header;
   try
   {
-    if (image.width == 0 || image.height == 0)
-      throw InvalidArgument("it has " + std::to_string(image.width) + " x " +
-                            std::to_string(image.height) + " px");
+    checkSize(image);
     const cv_bridge::CvImagePtr bgr =
         cv_bridge::toCvCopy(image, sensor_msgs::image_encodings::BGR8);
     const std::vector<Detection> detections = detector_.detect(bgr->image);
