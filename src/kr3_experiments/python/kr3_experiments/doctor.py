@@ -44,7 +44,7 @@ def check_address() -> Finding:
         return True, f"ROS_IP={address}: nodes are reached from this machine only"
     return (
         False,
-        f"ROS_IP={address}: everybody who reaches this address can command the robot; ROS 1 has no passwords",
+        f"{f'ROS_IP={address}' if address else 'ROS_IP is not set'}: everybody who reaches this machine can command the robot; ROS 1 has no passwords",
     )
 
 
@@ -53,6 +53,9 @@ def check_domains() -> List[Finding]:
     findings: List[Finding] = []
     for folder in sorted((repository_root() / "domains").glob("*/scenario.yaml")):
         name = folder.parent.name
+        if not (folder.parent / "building.yaml").exists():
+            findings.append((True, f"domain {name}: for kr3_mission only, it has no building.yaml"))
+            continue
         try:
             domain = load_domain(name, repository_root())
             domain.require_map()

@@ -164,6 +164,7 @@ def _drive(args: argparse.Namespace, lesson: Lesson, wanted: int, terminal: Term
 
     domain = load_domain(args.domain, repository_root())
     domain.require_map()
+    domain.require_model()
     truth = lesson.truth()
     run_dir = new_run_dir("learn") if args.run_dir is None else existing_run_dir(args.run_dir)
     log = AttemptLog(run_dir / "attempts.jsonl", {"domain": args.domain, "seed": args.seed})
