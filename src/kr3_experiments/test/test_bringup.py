@@ -152,7 +152,7 @@ def test_a_second_master_on_the_port_is_refused(repository):
 def test_a_node_that_cannot_start_is_named_with_its_log(repository):
     (repository / "stack.yaml").write_text(MUX.replace("executable: mux", "executable: muks"))
     program = start_up(repository, free_port())
-    assert program.exit_code() == 1
+    assert program.exit_code() == 3
     assert re.search(r"mux_node ended during the start .exit code \d+", program.text())
     assert "muks" in program.text()
     assert "Traceback" not in program.text()
@@ -162,7 +162,7 @@ def test_a_node_that_never_gets_ready_is_named_with_what_is_missing(repository):
     text = MUX.replace("mux/select}]", "mux/nothing}], ready_timeout_s: 1")
     (repository / "stack.yaml").write_text(text)
     program = start_up(repository, free_port())
-    assert program.exit_code() == 1
+    assert program.exit_code() == 3
     assert "mux_node was not ready within 1 s (no service 'mux/nothing')" in program.text()
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from kr3_experiments.cli import main
 from kr3_experiments.domain import load_domain, repository_root
-from kr3_experiments.errors import Kr3Error
+from kr3_experiments.errors import Kr3Error, StartError
 from kr3_experiments.experiment import bench, command, robot
 from kr3_experiments.experiment.accuracy import Accuracy
 from kr3_experiments.experiment.defaults import Defaults
@@ -216,3 +216,17 @@ def test_what_a_lost_mission_left_is_kept(
     assert row["duration_s"] == (71.5 if ends else robot._MISSION_LIMIT_S)
     kept = tmp_path / f"{setting.domain.name}_{setting.method}_7" / "output.txt"
     assert kept.read_text(encoding="utf-8") == "kr3: the robot stands\n"
+
+
+def test_a_stack_that_does_not_come_up_is_started_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Only the number of starts is looked at; the mission is played."""
+    codes = [StartError.exit_code, 1]
+
+    def mission(command: List[str], **_: Any) -> Any:
+        return subprocess.CompletedProcess(command, codes.pop(0))
+
+    monkeypatch.setattr(subprocess, "run", mission)
+    robot._mission(Robot().settings()[0], 7, "commit", tmp_path)
+    assert codes == []

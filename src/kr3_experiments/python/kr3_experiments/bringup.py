@@ -14,6 +14,7 @@ from kr3_experiments.errors import Kr3Error
 from kr3_experiments.master import free_port, is_master
 from kr3_experiments.stack import Stack
 from kr3_experiments.stack_file import NodeSpec, load_stack
+from kr3_experiments.yaml_file import read_mapping
 
 DEFAULT_PORT = 11311
 DEFAULT_DOMAIN = "office"
@@ -133,7 +134,7 @@ def _scenario_file(world: World, run_dir: Path) -> Path:
     if not world.told:
         return world.domain.scenario_file
     statement = f"{world.domain.target_fluent()} = {world.target_at}"
-    scenario = yaml.safe_load(world.domain.scenario_file.read_text(encoding="utf-8"))
+    scenario = read_mapping(world.domain.scenario_file)
     scenario["initial_records"].append({"kind": "init", "statement": statement, "value": True})
     file = run_dir / "scenario.yaml"
     file.write_text(yaml.safe_dump(scenario, sort_keys=False), encoding="utf-8")

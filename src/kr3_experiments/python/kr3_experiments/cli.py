@@ -44,7 +44,7 @@ _COMMANDS: Dict[str, Command] = {
 
 
 def main(arguments: List[str]) -> int:
-    """@return the exit code: 0 success, 1 failure, 2 bad usage, 128 + number when a signal ended it"""
+    """@return 0 success, 1 failure, 2 bad usage, 3 no stack came up, 128 + number of the signal that ended it"""
     name = arguments[0] if arguments else ""
     if name not in _COMMANDS:
         print(f"kr3: unknown command '{name}'; there are {', '.join(_COMMANDS)}", file=sys.stderr)
@@ -60,7 +60,7 @@ def main(arguments: List[str]) -> int:
         return module.run(args)
     except Kr3Error as error:
         print(f"kr3: {error}", file=sys.stderr)
-        return 1
+        return error.exit_code
     except Interrupted as error:
         print(f"kr3: {error}", file=sys.stderr)
         return 128 + error.number

@@ -44,7 +44,8 @@ def check_address() -> Finding:
         return True, f"ROS_IP={address}: nodes are reached from this machine only"
     return (
         False,
-        f"{f'ROS_IP={address}' if address else 'ROS_IP is not set'}: everybody who reaches this machine can command the robot; ROS 1 has no passwords",
+        f"{f'ROS_IP={address}' if address else 'ROS_IP is not set'}: everybody who reaches this machine can command"
+        " the robot; ROS 1 has no passwords",
     )
 
 

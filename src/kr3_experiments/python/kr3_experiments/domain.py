@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Mapping
 
-import yaml
-
 from kr3_experiments.errors import Kr3Error
+from kr3_experiments.yaml_file import read_mapping
 
 
 def repository_root() -> Path:
@@ -118,9 +117,9 @@ def load_domain(name: str, root: Path) -> Domain:
         known = sorted(entry.name for entry in (root / "domains").glob("*") if entry.is_dir())
         raise Kr3Error(f"there is no domain '{name}'; there are {', '.join(known) or 'none'}")
     file = folder / "scenario.yaml"
-    scenario = _load(file)
+    scenario = read_mapping(file)
     building_file = folder / "building.yaml"
-    building = _load(building_file)
+    building = read_mapping(building_file)
     places = _places(building, building_file)
     robot_start = _robot_start(building, building_file)
     try:
@@ -146,18 +145,6 @@ def load_domain(name: str, root: Path) -> Domain:
                 f"{file}: '{place}' is no place of building.yaml, which has {', '.join(sorted(places))}"
             )
     return domain
-
-
-def _load(file: Path) -> Dict[str, Any]:
-    try:
-        content = yaml.safe_load(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise Kr3Error(f"{file}: {error.strerror}") from error
-    except yaml.YAMLError as error:
-        raise Kr3Error(f"{file}: not YAML: {error}") from error
-    if not isinstance(content, dict):
-        raise Kr3Error(f"{file}: expected keys with values")
-    return content
 
 
 def _places(building: Mapping[str, Any], file: Path) -> Dict[str, Rectangle]:

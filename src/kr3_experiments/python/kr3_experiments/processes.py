@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 from typing import Callable, Dict, List, Mapping, Optional, Sequence
 
-from kr3_experiments.errors import StackError
+from kr3_experiments.errors import StackError, StartError
 
 _PR_SET_PDEATHSIG = 1
 _LIBC = ctypes.CDLL(None, use_errno=True)
@@ -138,11 +138,11 @@ class Supervisor:
         return list(self._processes.values())
 
     def raise_if_ended(self) -> None:
-        """@throws StackError when any process ended: during start-up nothing is restarted."""
+        """@throws StartError when any process ended: during start-up nothing is restarted."""
         for process in self._processes.values():
             code = process.exit_code()
             if code is not None:
-                raise StackError(
+                raise StartError(
                     f"{process.name} ended during the start ({describe_exit(code)}); the end of {process.log}:\n"
                     + process.log_tail()
                 )

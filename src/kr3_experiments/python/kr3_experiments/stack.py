@@ -9,12 +9,12 @@ from xmlrpc.client import Fault
 import rosgraph
 import rospkg
 import rospy
-import yaml
 
-from kr3_experiments.errors import Kr3Error, StackError
+from kr3_experiments.errors import Kr3Error, StackError, StartError
 from kr3_experiments.master import is_master, start_master
 from kr3_experiments.processes import ManagedProcess, Supervisor, end_processes
 from kr3_experiments.stack_file import NodeSpec, ReadyKind, ReadySign
+from kr3_experiments.yaml_file import read_mapping
 
 _CALLER = "/kr3_bringup"
 _POLL_S = 0.05
@@ -92,7 +92,7 @@ class Stack:
         """Start all nodes side by side and wait until each is ready.
 
         @throws Kr3Error    a package is unknown, or a parameter file cannot be read
-        @throws StackError  a node ended, or was not ready in time
+        @throws StartError  a node ended, or was not ready in time
         """
         for spec in specs:
             self._set_parameters(spec)
@@ -124,7 +124,7 @@ class Stack:
                     f"{sign.sign.kind.value} '{sign.sign.name}'" for sign in pending
                 )
                 log = self._logs / f"{spec.name}.log"
-                raise StackError(
+                raise StartError(
                     f"{spec.name} was not ready within {spec.ready_timeout_s:.0f} s (no {missing}); the end of {log}:\n"
                     + "\n".join(log.read_text(errors="replace").splitlines()[-12:])
                 )
@@ -226,12 +226,4 @@ class _Watch:
 
 
 def _load_parameters(file: Path) -> Mapping[str, Any]:
-    try:
-        content = yaml.safe_load(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise Kr3Error(f"{file}: {error.strerror}") from error
-    except yaml.YAMLError as error:
-        raise Kr3Error(f"{file}: not YAML: {error}") from error
-    if content is not None and not isinstance(content, dict):
-        raise Kr3Error(f"{file}: expected parameter names with values")
-    return content or {}
+    return read_mapping(file, "expected parameter names with values", may_be_empty=True)

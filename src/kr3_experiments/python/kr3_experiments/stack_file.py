@@ -6,9 +6,8 @@ from enum import Enum
 from pathlib import Path
 from typing import Any, Collection, Dict, List, Mapping, Optional, Tuple
 
-import yaml
-
 from kr3_experiments.errors import Kr3Error
+from kr3_experiments.yaml_file import read_mapping
 
 
 class ReadyKind(Enum):
@@ -46,7 +45,7 @@ class NodeSpec:
     parameters: Mapping[str, Any] = field(default_factory=dict)  # on top of `config`
     arguments: List[str] = field(default_factory=list)
     ready: List[ReadySign] = field(default_factory=list)
-    ready_timeout_s: float = 30.0  # wall time
+    ready_timeout_s: float = 60.0  # wall time
     max_restarts: int = 3
     follow: Optional[Follow] = None  # None: not in lockstep, or the node speaks for itself
 
@@ -106,13 +105,8 @@ def load_stack(
     @param leave_out  names of nodes that are not wanted
     @throws Kr3Error  it cannot be read, or has an unknown key, a missing key or an unknown placeholder
     """
-    try:
-        content = yaml.safe_load(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise Kr3Error(f"{file}: {error.strerror}") from error
-    except yaml.YAMLError as error:
-        raise Kr3Error(f"{file}: not YAML: {error}") from error
-    if not isinstance(content, dict) or not isinstance(content.get("nodes"), list):
+    content = read_mapping(file, "expected a list under 'nodes'")
+    if not isinstance(content.get("nodes"), list):
         raise Kr3Error(f"{file}: expected a list under 'nodes'")
     entries = [
         entry

@@ -7,13 +7,12 @@ import time
 from pathlib import Path
 from typing import Any, Dict, List, Sequence
 
-import yaml
-
 from kr3_experiments.bringup import add_domain_argument, existing_run_dir, new_run_dir
 from kr3_experiments.domain import repository_root
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.processes import ManagedProcess, describe_exit, end_processes
 from kr3_experiments.terminal import Terminal
+from kr3_experiments.yaml_file import read_mapping
 
 MODEL = "perception.yml.gz"
 NEEDED = ("building.yaml", "objects.yaml")
@@ -138,12 +137,12 @@ def _objects_of(domain: Path) -> Dict[str, Any]:
     """Name to entry, its texture by the file's content."""
     file = domain / "objects.yaml"
     try:
-        entries = yaml.safe_load(file.read_text(encoding="utf-8"))["objects"]
+        entries = read_mapping(file)["objects"]
         return {
             entry["name"]: {**entry, "texture": (domain / entry["texture"]).read_bytes()}
             for entry in entries
         }
-    except (OSError, yaml.YAMLError, KeyError, TypeError) as error:
+    except (OSError, KeyError, TypeError) as error:
         raise Kr3Error(f"{file}: {error}") from error
 
 

@@ -3,10 +3,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence
 
-import yaml
-
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.experiment.definition import Table
+from kr3_experiments.yaml_file import read_mapping
 
 
 @dataclass(frozen=True)
@@ -48,14 +47,7 @@ class Budgets:
 
 def load_budgets(path: Path) -> Budgets:
     """Read a table. @throws Kr3Error  it is missing or wrong; the message names the entry"""
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise Kr3Error(f"cannot read '{path}': {error.strerror}") from error
-    except yaml.YAMLError as error:
-        raise Kr3Error(f"{path}: {error}") from error
-    if not isinstance(content, dict):
-        raise Kr3Error(f"{path}: found no table, expected machine, commit, seconds and floors")
+    content = read_mapping(path, "found no table, expected machine, commit, seconds and floors")
     seconds = _numbers(path, content, "seconds", None)
     floors: Dict[int, FloorBudgets] = {}
     entries = content.get("floors")

@@ -3,11 +3,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
-import yaml
-
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.learning.laws import GroundAction, State, ground
 from kr3_experiments.learning.models_file import action_name
+from kr3_experiments.yaml_file import read_mapping
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,7 @@ class Binding:
 def load_bindings(path: Path) -> Dict[str, Binding]:
     """Bindings by action. @throws Kr3Error  the file is missing or malformed"""
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        content = read_mapping(path)
         result = {}
         for entry in content["actions"]:
             name, parameters = action_name(entry["action"], path)
@@ -70,9 +69,5 @@ def load_bindings(path: Path) -> Dict[str, Binding]:
                 },
             )
         return result
-    except OSError as error:
-        raise Kr3Error(f"{path}: {error.strerror}") from error
-    except yaml.YAMLError as error:
-        raise Kr3Error(f"{path}: not YAML: {error}") from error
     except (KeyError, TypeError, AttributeError) as error:
         raise Kr3Error(f"{path}: missing or malformed key {error}") from error

@@ -10,6 +10,7 @@ import yaml
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.learning.counts import PRIOR, Attempt, Counts, Interval, Sensor, agree, share
 from kr3_experiments.learning.laws import LowLevel
+from kr3_experiments.yaml_file import read_mapping
 
 Models = Dict[str, Any]
 MIN_CLASS_TRIALS = (
@@ -19,14 +20,10 @@ MIN_CLASS_TRIALS = (
 
 def load_models(path: Path) -> Models:
     """@throws Kr3Error  no file, or not a models file"""
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise Kr3Error(f"{path}: {error.strerror}") from error
-    except yaml.YAMLError as error:
-        raise Kr3Error(f"{path}: not YAML: {error}") from error
-    if not isinstance(content, dict) or not isinstance(content.get("actions"), dict):
-        raise Kr3Error(f"{path}: expected a map with 'actions', as docs/refinement.md says")
+    expected = "expected a map with 'actions', as docs/refinement.md says"
+    content = read_mapping(path, expected)
+    if not isinstance(content.get("actions"), dict):
+        raise Kr3Error(f"{path}: {expected}")
     return content
 
 

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
-import yaml
-
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.learning.laws import ground
+from kr3_experiments.yaml_file import read_mapping
 
 Position = Tuple[float, float]  # m, map frame
 
@@ -46,15 +45,10 @@ class Truth:
     """Turns snapshots into values of fluents. @throws Kr3Error  the file is missing or malformed"""
 
     def __init__(self, path: Path):
-        try:
-            content = yaml.safe_load(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise Kr3Error(
-                f"{path}: {error.strerror}: it says how ground truth becomes fluents"
-            ) from error
-        except yaml.YAMLError as error:
-            raise Kr3Error(f"{path}: not YAML: {error}") from error
-        if not isinstance(content, dict) or set(content) != {"robot", "truth"}:
+        if not path.exists():
+            raise Kr3Error(f"{path}: there is no such file; it says how ground truth becomes fluents")
+        content = read_mapping(path, "expected the keys 'robot' and 'truth'")
+        if set(content) != {"robot", "truth"}:
             raise Kr3Error(f"{path}: expected the keys 'robot' and 'truth'")
         self.robot = str(content["robot"])
         self._rules: List[Tuple[str, List[str], str, str]] = []
