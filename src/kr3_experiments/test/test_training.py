@@ -34,6 +34,13 @@ def test_a_domain_without_objects_is_refused_with_those_that_have_some(root):
         training.run(options("third"))
 
 
+def test_a_domain_may_be_given_by_its_path(root):
+    folder = root / "domains" / "first"
+    assert training.domain_folder(str(folder)) == folder.resolve()
+    with pytest.raises(Kr3Error, match="there is no folder '.*/elsewhere'"):
+        training.domain_folder(str(root / "elsewhere"))
+
+
 def test_a_seed_of_the_pictures_to_check_with_is_refused(root):
     with pytest.raises(Kr3Error, match="--seed 10000: expected a number from 0 to 9999"):
         training.run(options("first", "--seed", "10000"))

@@ -44,7 +44,7 @@ def add_domain_argument(parser: argparse.ArgumentParser) -> None:
         "domain",
         nargs="?",
         default=DEFAULT_DOMAIN,
-        help=f"folder below domains/ (default: {DEFAULT_DOMAIN})",
+        help=f"folder below domains/ (default: {DEFAULT_DOMAIN}), or the path of another",
     )
 
 

@@ -107,8 +107,8 @@ class Domain:
             raise Kr3Error(f"there is no map {self.map_file}: build it with ./kr3 map {self.name}")
 
 
-def load_domain(name: str, root: Path) -> Domain:
-    """Read `domains/NAME`, or the folder of this path. @throws Kr3Error  a file or a key is missing or wrong"""
+def find_folder(name: str, root: Path) -> Path:
+    """`domains/NAME`, or the folder of this path (with a slash in it). @throws Kr3Error  there is none"""
     is_path = "/" in name
     folder = Path(name).resolve() if is_path else root / "domains" / name
     if is_path and not folder.is_dir():
@@ -116,6 +116,12 @@ def load_domain(name: str, root: Path) -> Domain:
     if not folder.is_dir():
         known = sorted(entry.name for entry in (root / "domains").glob("*") if entry.is_dir())
         raise Kr3Error(f"there is no domain '{name}'; there are {', '.join(known) or 'none'}")
+    return folder
+
+
+def load_domain(name: str, root: Path) -> Domain:
+    """Read `domains/NAME`, or the folder of this path. @throws Kr3Error  a file or a key is missing or wrong"""
+    folder = find_folder(name, root)
     file = folder / "scenario.yaml"
     scenario = read_mapping(file)
     building_file = folder / "building.yaml"

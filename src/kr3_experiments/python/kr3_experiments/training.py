@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Sequence
 
 from kr3_experiments.bringup import add_domain_argument, existing_run_dir, new_run_dir
-from kr3_experiments.domain import repository_root
+from kr3_experiments.domain import find_folder, repository_root
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.processes import ManagedProcess, describe_exit, end_processes
 from kr3_experiments.terminal import Terminal
@@ -103,12 +103,13 @@ def run(args: argparse.Namespace) -> int:
 
 def domain_folder(name: str) -> Path:
     """A domain of which pictures can be made. @throws Kr3Error  there is none, or it lacks a file"""
-    folder = repository_root() / "domains" / name
+    root = repository_root()
+    folder = find_folder(name, root)
     for file in NEEDED:
         if not (folder / file).is_file():
             known = sorted(
                 entry.name
-                for entry in folder.parent.glob("*")
+                for entry in (root / "domains").glob("*")
                 if all((entry / needed).is_file() for needed in NEEDED)
             )
             raise Kr3Error(

@@ -111,8 +111,9 @@ class Robot:
             domain.require_map()
             domain.require_model()
             if not (domain.folder / _MODELS).is_file():
+                file = domain.folder / _MODELS
                 raise Kr3Error(
-                    f"no {_MODELS} in {domain.folder}: `./kr3 learn {domain.name}` writes one"
+                    f"there is no {file}: `./kr3 learn {domain.name} --output {file}` writes it"
                 )
         return [_Setting(domain, method) for domain in domains for method in _METHODS]
 

@@ -14,7 +14,7 @@ from kr3_experiments.bringup import (
     stack_variables,
     start_followers,
 )
-from kr3_experiments.domain import load_domain, repository_root
+from kr3_experiments.domain import find_folder, load_domain, repository_root
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.experiment.sweep import commit
 from kr3_experiments.learning.counts import AttemptLog, count, joined, read_attempts
@@ -56,7 +56,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--output",
         type=Path,
         metavar="FILE",
-        help="models file (default: models.yaml in the run's folder)",
+        help="models file (default: models.yaml in the run's folder; models_learned.yaml beside the bag, labels or"
+        " attempts that it is learned from)",
     )
     parser.add_argument(
         "--run-dir",
@@ -111,8 +112,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """@return 0 when the models file was written"""
     terminal = Terminal()
-    domain = load_domain(args.domain, repository_root())
-    lesson = load_lesson(domain.folder)
+    lesson = load_lesson(find_folder(args.domain, repository_root()))
     wanted = args.trials or (_WANTED_QUICK if args.quick else _WANTED)
     if wanted <= 0 or not 0 <= args.seed < 2**31:
         raise Kr3Error(
@@ -178,7 +178,7 @@ def _drive(args: argparse.Namespace, lesson: Lesson, wanted: int, terminal: Term
     # A run that goes on meets another world: the same one would repeat the same chances.
     variables = {
         **stack_variables(world, run_dir),
-        "seed": args.seed + 1000003 * len(log.attempts) % 2**31,
+        "seed": (args.seed + 1000003 * len(log.attempts)) % 2**31,
     }
     specs = load_stack(package_config("stack.yaml"), variables, lockstep, _NOT_NEEDED)
     interrupted: Optional[BaseException] = None
