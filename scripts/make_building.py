@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes a building with its contents, and a domain about it: all that ./kr3 map and ./kr3 demo --domain need.
+"""Writes a building with its contents, and a domain about it: all that ./kr3 map, train, learn and demo need.
 
     make_building.py domains/my_floor --rooms 15 [--layout wings|ring|hall] [--objects 12] [--seed 1]
 
@@ -331,6 +331,7 @@ def main():
         "refinement.kr3": office("refinement.kr3"),
         "models.yaml": office("models.yaml"),
         "bindings.yaml": office("bindings.yaml"),
+        "learning.yaml": office("learning.yaml"),
         "scenario.yaml": scenario_text(plan, objects),
     }
     for name, text in files.items():
