@@ -89,6 +89,22 @@ def test_robot_pairs_missions_and_lists_every_failure() -> None:
     assert [row[2] for row in found.tables[1].rows] == ["3", "3"]
 
 
+def test_robot_tells_pairs_with_the_object_in_its_usual_place_from_the_others() -> None:
+    building = "floor_a"
+    usual, other, *_ = load_domain(building, repository_root()).target.may_be_at
+    rows = []
+    for method, factor in (("pa", 3.0), ("oracle", 1.0)):
+        for seed in range(6):
+            row = outcome(seed, building=building, method=method, contacts=0)
+            row["success"] = True
+            row["truth"] = usual if seed < 4 else other
+            row["duration_s"] *= factor if seed >= 4 else 1.0
+            rows.append(row)
+    text = Robot().findings(rows, QUICK).statements[0]
+    assert "in its usual place 1.00 (1.00, 1.00) over 4 pairs" in text
+    assert "in another 3.00 (3.00, 3.00) over 2 pairs" in text
+
+
 def test_bench_tells_goals_that_are_missed(capsys: pytest.CaptureFixture[str]) -> None:
     lines = [figure.line() for figure in bench._robot(robot_rows())]
     assert "met" in lines[1] and "NOT" not in lines[1]

@@ -100,7 +100,8 @@ def _facts(options: Options) -> Dict[str, str]:
     return {
         "commit": commit(),
         "seeds": f"from {options.seed}",
-        "numbers of the floors": "models_learned.yaml" if options.learned else "models.yaml",
+        "numbers of the floors": ("models_learned.yaml" if options.learned else "models.yaml")
+        + " (robot and learning have their own)",
         "trials a point": str(options.trials or ("quick" if options.quick else "by the protocol")),
     }
 

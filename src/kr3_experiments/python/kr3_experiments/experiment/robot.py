@@ -178,7 +178,7 @@ class Robot:
         ):
             comparison = _compare(rows, first, second)
             if comparison:
-                found.statements.append(f"{comparison} {beside}")
+                found.statements.append(f"{comparison} {beside}{_by_place(rows, first, second)}")
             found.figures.update(_figure(rows, first, second))
         failed = Table("Missions that failed", ["building", "method", "seed", "truth", "why"])
         for row in rows:
@@ -241,6 +241,24 @@ def _compare(rows: Sequence[Row], first: str, second: str) -> Optional[str]:
     kept = [pair for pair, won in zip(zip(ones, others), both) if won]
     ratio = paired(*([row["duration_s"] for row in side] for side in zip(*kept))).ratio
     return f"{words} Over the {len(kept)} pairs in which both succeed: {ratio.text()}."
+
+
+def _by_place(rows: Sequence[Row], first: str, second: str) -> str:
+    """Ratios of times where the object is in its usual place, and where it is not; nothing without pairs of both."""
+    usual: Dict[str, str] = {}
+    for building in {row["building"] for row in rows}:
+        try:
+            usual[building] = load_domain(building, repository_root()).target.may_be_at[0]
+        except Kr3Error:  # rows of a building that is not here any more
+            return ""
+    parts = []
+    for where, obeys in (("its usual place", True), ("another", False)):
+        some = [row for row in rows if (row["truth"] == usual[row["building"]]) is obeys]
+        result = times_of_pairs(some, first, second)
+        if result is None:
+            return ""
+        parts.append(f"in {where} {result.ratio.text()} over {result.pairs} pairs")
+    return f" With the object {' and '.join(parts)}."
 
 
 def _figure(rows: Sequence[Row], first: str, second: str) -> Dict[str, Figure]:
