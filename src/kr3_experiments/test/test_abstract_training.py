@@ -60,6 +60,14 @@ def test_the_command_writes_a_models_file(tmp_path: Path) -> None:
     text = output.read_text()
     assert "150 trials in the abstract world of models.yaml, seed 2" in text
     assert len(read_attempts(tmp_path / "attempts.jsonl")) == 150
+    assert main([*arguments, *folder]) == 1  # these attempts are not lost
+    assert len(read_attempts(tmp_path / "attempts.jsonl")) == 150
+
+
+def test_a_domain_without_a_building_is_learned_in_the_abstract_world(tmp_path: Path) -> None:
+    arguments = ["learn", "workbench", "--world", "abstract", "--trials", "2"]
+    assert main([*arguments, "--run-dir", str(tmp_path)]) == 0
+    assert "probe" in (tmp_path / "models_learned.yaml").read_text()
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from kr3_experiments.domain import load_domain, repository_root
 from kr3_experiments.errors import Kr3Error, StartError
 from kr3_experiments.experiment import bench, command, robot
 from kr3_experiments.experiment.accuracy import Accuracy
+from kr3_experiments.experiment.default_bias import DefaultBias
 from kr3_experiments.experiment.defaults import Defaults
 from kr3_experiments.experiment.definition import Options, Table, plot, save_figures
 from kr3_experiments.experiment.points import TargetRule, configurations
@@ -67,6 +68,19 @@ def test_defaults_says_when_the_paper_is_contradicted() -> None:
     assert "1.50 (1.50, 1.50)" in found.statements[0]
 
 
+@pytest.mark.parametrize("trials", [0, 1])
+def test_sweeps_that_have_hardly_begun_state_nothing(trials: int) -> None:
+    pa = {"method": "pa", "rooms": 4}
+    bias = [outcome(seed, **pa, bias=0.0, target="normal") for seed in range(8)]
+    bias += [outcome(seed, method="pomdp2", bias=0.5, target="normal") for seed in range(trials)]
+    assert DefaultBias().findings(bias, QUICK).statements == []
+    rows = [outcome(seed, **pa, share=0.8) for seed in range(8)]
+    rows += [outcome(seed, method="pa_star", rooms=4, share=0.8) for seed in range(trials)]
+    assert Defaults().findings(rows, QUICK).statements == []
+    flat_only = [row for row in accuracy_rows(flat_succeeds=True) if row["method"] != "pa"]
+    assert Accuracy().findings(flat_only, QUICK).statements == []
+
+
 def robot_rows() -> List[Dict[str, Any]]:
     rows = []
     for building in ("a", "b"):
@@ -103,6 +117,24 @@ def test_robot_tells_pairs_with_the_object_in_its_usual_place_from_the_others() 
     text = Robot().findings(rows, QUICK).statements[0]
     assert "in its usual place 1.00 (1.00, 1.00) over 4 pairs" in text
     assert "in another 3.00 (3.00, 3.00) over 2 pairs" in text
+
+
+def test_only_the_noise_of_the_goal_has_a_goal() -> None:
+    rows = accuracy_rows(flat_succeeds=True)
+    rows += [{**row, "noise": 2.0} for row in rows]
+    goals = {f.params["noise"]: f.goal for f in bench._accuracy(rows) if f.name == "PA, success"}
+    assert goals == {1.0: 0.95, 2.0: None}
+
+
+def test_a_report_tells_the_commits_that_its_rows_were_made_at(tmp_path: Path) -> None:
+    folder = tmp_path / "accuracy"
+    point = configurations(Accuracy().points(QUICK)[:1], folder / "floors")[0]
+    RowStore(folder, Accuracy().labels).add(
+        outcome(seed, config=point.digest, commit=commit, **point.point.label)
+        for seed, commit in ((1, "old"), (2, "old"), (3, "new"))
+    )
+    _, notes = command._results(Accuracy(), QUICK, folder, None)
+    assert "1 at new, 2 at old" in notes[-1]
 
 
 def test_bench_tells_goals_that_are_missed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -39,6 +39,12 @@ def test_what_was_written_is_read_again(tmp_path: Path) -> None:
     assert not again.rejected_path.exists()
 
 
+def test_words_of_several_lines_are_one_row(tmp_path: Path) -> None:
+    RowStore(tmp_path, LABELS).add([row(1, reason="it ended:\nno map\u2028\r\n")])
+    again = RowStore(tmp_path, LABELS)
+    assert [kept["reason"] for kept in again.rows] == ["it ended: no map "] and not again.rejected
+
+
 def test_a_trial_is_kept_once(tmp_path: Path) -> None:
     store = RowStore(tmp_path, LABELS)
     store.add([row(1)])

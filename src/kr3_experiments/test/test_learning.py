@@ -291,6 +291,19 @@ def test_an_interrupted_log_goes_on_and_a_torn_line_is_dropped(tmp_path):
     assert read_attempts(path) == [attempt, attempt]
 
 
+def test_a_log_that_lacks_only_the_end_of_its_last_line_goes_on(tmp_path):
+    path = tmp_path / "attempts.jsonl"
+    attempt = Attempt("a", ("x",), True, "good", (Observed("f", True, False),), 1.5, 2.0)
+    log = AttemptLog(path, {"seed": 1})
+    log.add(attempt)
+    log.close()
+    path.write_bytes(path.read_bytes().rstrip(b"\n"))
+    again = AttemptLog(path, {"seed": 1})
+    again.add(attempt)
+    again.close()
+    assert read_attempts(path) == [attempt, attempt]
+
+
 def test_bad_logs_are_named_with_their_line(tmp_path):
     path = tmp_path / "attempts.jsonl"
     AttemptLog(path, {"seed": 1}).close()

@@ -58,6 +58,16 @@ class _Kind:
         return select(rows, method=self.method, seconds=self.seconds)
 
 
+def sizes_behind(flat: Sequence[Row], pa: Sequence[Row]) -> List[int]:
+    """Cells at which `flat` is behind `pa`, their intervals apart; of the sizes that both have."""
+    both = sorted({row["cells"] for row in flat} & {row["cells"] for row in pa})
+    return [
+        cells
+        for cells in both
+        if success_of(select(flat, cells=cells)).high < success_of(select(pa, cells=cells)).low
+    ]
+
+
 class Accuracy:
     """Success against cells."""
 
@@ -167,11 +177,8 @@ class Accuracy:
                     by_budget, "CPU seconds of planning", "share of successful missions", log_x=True
                 )
             found.tables.append(self._table(here, noise, kinds))
-            found.statements += [
-                self._statement(here, noise, method)
-                for method in _METHODS
-                if select(here, method=method)
-            ]
+            for method in _METHODS:
+                found.statements += self._statement(here, noise, method)
             found.statements += self._crossings(here, noise, kinds)
         found.tables.append(self._budgets.table())
         return found
@@ -227,15 +234,10 @@ class Accuracy:
             if kind.method == "pa":
                 continue
             mine = kind.of(rows)
-            sizes = sorted({row["cells"] for row in mine})
-            behind = [
-                cells
-                for cells in sizes
-                if success_of(select(mine, cells=cells)).high
-                < success_of(select(pa, cells=cells)).low
-            ]
-            if not sizes or not pa:
+            sizes = sorted({row["cells"] for row in mine} & {row["cells"] for row in pa})
+            if not sizes:
                 continue
+            behind = sizes_behind(mine, pa)
             text = (
                 f"is behind PA, their intervals apart, at {', '.join(map(str, behind))} cells"
                 if behind
@@ -245,8 +247,11 @@ class Accuracy:
         return statements
 
     @staticmethod
-    def _statement(rows: Sequence[Row], noise: float, method: str) -> str:
+    def _statement(rows: Sequence[Row], noise: float, method: str) -> List[str]:
+        """Nothing where PA and the method have no trial in common."""
         flat = select(rows, method=method)
+        if not flat:
+            return []
         cells = max(row["cells"] for row in flat)
         pa = by_seed(select(rows, method="pa", cells=cells))
         best = max(
@@ -255,6 +260,8 @@ class Accuracy:
         )
         other = by_seed(select(flat, cells=cells, seconds=best))
         seeds = sorted(pa.keys() & other.keys())
+        if not seeds:
+            return []
         p_value = mcnemar_p(
             [succeeded(pa[seed]) for seed in seeds], [succeeded(other[seed]) for seed in seeds]
         )
@@ -267,8 +274,8 @@ class Accuracy:
             verdict = "against the paper, POMDP-1 is above PA"
         else:
             verdict = "no difference is shown"
-        return (
+        return [
             f"Noise {noise:g}, {cells} cells: PA succeeds in {first.text(3)}, {METHOD_NAMES[method]} with its best"
             f" budget ({best:g} s) in {second.text(3)} of {len(seeds)} pairs: {verdict}"
             f" (McNemar's exact test, p = {p_value:.2g})."
-        )
+        ]

@@ -1,6 +1,7 @@
 """`./kr3 experiment`: runs what is missing of an experiment, then writes its report."""
 import argparse
 import os
+from collections import Counter
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -98,7 +99,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _facts(options: Options) -> Dict[str, str]:
     return {
-        "commit": commit(),
+        "commit of this report": commit(),
         "seeds": f"from {options.seed}",
         "numbers of the floors": ("models_learned.yaml" if options.learned else "models.yaml")
         + " (robot and learning have their own)",
@@ -169,7 +170,11 @@ def _results(
         notes.append(
             f"{wanted - len(rows)} trials are missing: the figures are of those that are there"
         )
-    notes.append(f"raw rows: {len(rows)}, in rows.csv")
+    made_at = Counter(row["commit"] for row in rows)
+    commits = ", ".join(f"{count} at {name}" for name, count in sorted(made_at.items()))
+    notes.append(
+        f"raw rows: {len(rows)}, in rows.csv, made by the programs of the commits: {commits}"
+    )
     return experiment.findings(rows, options), notes
 
 

@@ -91,7 +91,8 @@ class DefaultBias:
                 ]
             )
         found.tables.append(table)
-        found.statements += [self._statement(rows, target) for target in _TARGETS]
+        for target in _TARGETS:
+            found.statements += self._statement(rows, target)
         return found
 
     @staticmethod
@@ -103,30 +104,35 @@ class DefaultBias:
             return success_of(group) if column == "success" else mean_of(group, column)
 
         name = f"{METHOD_NAMES[method]}, {target}"
+        if not mine:
+            return Curve(name, [], [])
         if method == "pa":
             return Curve(name, biases, [value(mine)] * len(biases))
-        return Curve(name, biases, [value(select(mine, bias=bias)) for bias in biases])
+        groups = {bias: select(mine, bias=bias) for bias in biases}
+        there = [bias for bias in biases if groups[bias]]
+        return Curve(name, there, [value(groups[bias]) for bias in there])
 
     @staticmethod
-    def _statement(rows: Sequence[Row], target: str) -> str:
+    def _statement(rows: Sequence[Row], target: str) -> List[str]:
+        """Nothing with fewer than two seeds that every method and p had."""
         pa = by_seed(select(rows, method="pa", target=target))
         flat = select(rows, method="pomdp2", target=target)
         biases = sorted({row["bias"] for row in flat})
-        times = {bias: mean_of(select(flat, bias=bias), "duration_s").value for bias in biases}
-        best, worst = min(biases, key=times.__getitem__), max(biases, key=times.__getitem__)
-        other = by_seed(select(flat, bias=best))
-        seeds = sorted(pa.keys() & other.keys())
-        result = paired(
-            [float(pa[seed]["duration_s"]) for seed in seeds],
-            [float(other[seed]["duration_s"]) for seed in seeds],
-        )
-        spread = paired(
-            [float(by_seed(select(flat, bias=worst))[seed]["duration_s"]) for seed in seeds],
-            [float(other[seed]["duration_s"]) for seed in seeds],
-        )
+        groups = {bias: by_seed(select(flat, bias=bias)) for bias in biases}
+        seeds = sorted(set(pa).intersection(*groups.values())) if groups else []
+        if len(seeds) < 2:
+            return []
+
+        def times(group: Mapping[int, Row]) -> List[float]:
+            return [float(group[seed]["duration_s"]) for seed in seeds]
+
+        best = min(biases, key=lambda bias: sum(times(groups[bias])))
+        worst = max(biases, key=lambda bias: sum(times(groups[bias])))
+        result = paired(times(pa), times(groups[best]))
+        spread = paired(times(groups[worst]), times(groups[best]))
         depends = "depends on p" if spread.ratio.low > 1 else "does not visibly depend on p"
-        return (
+        return [
             f"{target.capitalize()} targets: POMDP-2 is fastest at p = {best:g} and slowest at p = {worst:g}, by"
             f" {spread.ratio.text()}: it {depends}. PA takes {result.ratio.text()} times as long as POMDP-2 at its best"
             f" p (paired t-test p = {result.t_p:.2g}, {result.pairs} pairs)."
-        )
+        ]

@@ -75,7 +75,8 @@ class Defaults:
                     log_x=key == "rooms",
                 )
         found.tables.append(self._table(rows))
-        found.statements += [self._statement(headline, rooms) for rooms in _sizes(headline)]
+        for rooms in _sizes(headline):
+            found.statements += self._statement(headline, rooms)
         return found
 
     @staticmethod
@@ -116,10 +117,13 @@ class Defaults:
         return table
 
     @staticmethod
-    def _statement(rows: Sequence[Row], rooms: int) -> str:
+    def _statement(rows: Sequence[Row], rooms: int) -> List[str]:
+        """Nothing with fewer than two pairs."""
         here = select(rows, rooms=rooms)
         first, second = (by_seed(select(here, method=method)) for method in _METHODS)
         seeds = sorted(first.keys() & second.keys())
+        if len(seeds) < 2:
+            return []
         result = paired(
             [float(first[seed]["hl_actions"]) for seed in seeds],
             [float(second[seed]["hl_actions"]) for seed in seeds],
@@ -131,10 +135,10 @@ class Defaults:
             if result.ratio.low > 1
             else "no difference is shown"
         )
-        return (
+        return [
             f"{rooms} rooms, q = {_HEADLINE:g}: PA takes {result.ratio.text()} times the high-level actions of PA*"
             f" over {result.pairs} pairs (Wilcoxon p = {result.wilcoxon_p:.2g}): {verdict}."
-        )
+        ]
 
 
 def _points(options: Options, settings: Sequence[Tuple[int, float]]) -> List[Point]:

@@ -35,10 +35,10 @@ RESULT_COLUMNS: Dict[str, Callable[[str], Any]] = {
 
 
 def cell(value: Any) -> str:
-    """A value as the file has it: exact, and the same on every machine."""
+    """A value as the file has it: exact, and the same on every machine; but a row is a line, also of long words."""
     if isinstance(value, bool):
         return "1" if value else "0"
-    return repr(value) if isinstance(value, float) else str(value)
+    return repr(value) if isinstance(value, float) else " ".join(str(value).splitlines())
 
 
 class RowStore:

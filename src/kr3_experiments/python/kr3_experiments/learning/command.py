@@ -152,9 +152,10 @@ def _in_abstract_world(
     from kr3_experiments.learning.abstract import attempts_in_abstract_world
 
     run_dir = new_run_dir("learn") if args.run_dir is None else existing_run_dir(args.run_dir)
-    attempts = attempts_in_abstract_world(
-        lesson.folder, wanted, args.seed, run_dir / "attempts.jsonl", args.world_models
-    )
+    file = run_dir / "attempts.jsonl"
+    if file.exists():
+        raise Kr3Error(f"{file} is there already, and would be lost: take another --run-dir")
+    attempts = attempts_in_abstract_world(lesson.folder, wanted, args.seed, file, args.world_models)
     how = f"{len(attempts)} trials in the abstract world of {args.world_models}, seed {args.seed}."
     return _write(args, lesson, attempts, run_dir, how, terminal)
 

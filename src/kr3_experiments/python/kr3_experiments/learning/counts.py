@@ -248,7 +248,7 @@ class AttemptLog:
             else:
                 self.attempts.append(_attempt(content, f"{path}:{number}"))
             kept.append(line)
-        if self.dropped:
+        if self.dropped or (lines and lines[-1]):  # torn, if only before the end of its line
             path.write_bytes(b"".join(line + b"\n" for line in kept))
         self._file: TextIO = path.open("a", encoding="utf-8")
         if not kept:
