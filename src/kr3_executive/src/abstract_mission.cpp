@@ -124,6 +124,7 @@ std::map<std::string, ContentCacheStats> AbstractMissions::cacheStats() const
   const ReasonerCache& answers = *shared_->answers;
   const PlanCosts& costs = *shared_->costs;
   return {{"situations", answers.situations.stats()},
+          {"named situations", answers.named.stats()},
           {"values", answers.values.stats()},
           {"situation plans", answers.situation_plans.stats()},
           {"plans", answers.plans.stats()},

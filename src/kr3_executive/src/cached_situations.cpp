@@ -16,12 +16,22 @@ using reasoner::PlanResult;
 using reasoner::Record;
 using reasoner::RenamedSituation;
 using reasoner::Renaming;
-using reasoner::Situation;
 using reasoner::Situations;
 
-std::size_t sizeOf(const Situation& situation)
+std::size_t sizeOf(const KnownSituation& known)
 {
-  return 4 * situation.text().size();  // the text, and the rows that it was written from
+  // The text, and the rows that it was written from.
+  return sizeof known + 4 * known.renamed.situation.text().size();
+}
+
+/// A key for what is made of a situation.
+Fingerprinter begun(const Fingerprint& situation, const char* what)
+{
+  Fingerprinter fingerprinter;
+  fingerprinter.add(situation.high);
+  fingerprinter.add(situation.low);
+  fingerprinter.addText(what);
+  return fingerprinter;
 }
 
 std::size_t sizeOf(const Situations::PossibleValues& values)
@@ -42,30 +52,62 @@ std::size_t sizeOf(const PlanResult& result)
 
 }  // namespace
 
-Fingerprint CachedReasoner::keyOf(const Situation& situation) const
+KnownSituation CachedReasoner::known(RenamedSituation renamed) const
 {
   Fingerprinter fingerprinter;
   fingerprinter.add(empty_.high);
   fingerprinter.add(empty_.low);
-  fingerprinter.addText(situation.text());
-  return fingerprinter.result();
+  fingerprinter.addText(renamed.situation.text());
+  return {std::move(renamed), fingerprinter.result()};
 }
 
-void CachedReasoner::rename(Present& present, const RenamedSituation& other) const
+void CachedReasoner::become(Present& present, std::shared_ptr<const KnownSituation> other)
 {
-  present.situation = other.situation;
-  present.renaming = present.renaming.then(other.renaming);
+  present.renaming = present.renaming.then(other->renamed.renaming);
+  present.situation = std::move(other);
+  present.values_there.reset();
+  present.values.reset();
 }
 
-bool CachedReasoner::advance(Present& present, std::vector<Record> records)
+std::shared_ptr<const KnownSituation> CachedReasoner::withRecords(
+    const KnownSituation& situation, const std::vector<Record>& records)
 {
-  int now = present.step;
+  Fingerprinter fingerprinter = begun(situation.key, "records");
+  for (const Record& record : records)
+  {
+    fingerprinter.add(static_cast<std::uint64_t>(record.kind));
+    fingerprinter.addText(record.statement);
+    fingerprinter.add(static_cast<std::uint64_t>(record.value ? 1 : 0));
+  }
+  const Fingerprint key = fingerprinter.result();
+  if (auto found = cache_->named.find(key))
+    return found;
+  KnownSituation more = known(situations_->canonical(situation.renamed.situation.with(records)));
+  const std::size_t bytes = sizeOf(more);
+  return cache_->named.keep(key, std::move(more), bytes);
+}
+
+std::shared_ptr<const KnownSituation> CachedReasoner::forGoal(const KnownSituation& situation,
+                                                              const std::string& goal)
+{
+  Fingerprinter fingerprinter = begun(situation.key, "goal");
+  fingerprinter.addText(goal);
+  const Fingerprint key = fingerprinter.result();
+  if (auto found = cache_->named.find(key))
+    return found;
+  KnownSituation named = known(situations_->canonical(situation.renamed.situation, goal));
+  const std::size_t bytes = sizeOf(named);
+  return cache_->named.keep(key, std::move(named), bytes);
+}
+
+bool CachedReasoner::advance(Present& present, const std::vector<Record>& records)
+{
   for (const Record& record : records)
   {
     if (record.step < present.step)
       return false;  // it says something about what has been left behind
   }
-  now = std::max(now, currentStep(records));
+  const int now = std::max(present.step, currentStep(records));
   for (;;)
   {
     std::vector<Record> here;
@@ -77,22 +119,22 @@ bool CachedReasoner::advance(Present& present, std::vector<Record> records)
       here.back().statement = present.renaming.ofText(record.statement);
     }
     if (!here.empty())
-      rename(present, situations_->canonical(present.situation.with(here)));
+      become(present, withRecords(*present.situation, here));
     if (present.step == now)
       return true;
-    const Fingerprint key = keyOf(present.situation);
+    const Fingerprint key = present.situation->key;
     auto next = cache_->situations.find(key);
     if (!next)
     {
-      std::optional<RenamedSituation> renamed;
-      if (const auto later = situations_->next(present.situation))
-        renamed = situations_->canonical(*later);
-      const std::size_t bytes = renamed ? sizeOf(renamed->situation) : sizeof renamed;
-      next = cache_->situations.keep(key, std::move(renamed), bytes);
+      std::optional<KnownSituation> found;
+      if (const auto later = situations_->next(present.situation->renamed.situation))
+        found = known(situations_->canonical(*later));
+      const std::size_t bytes = found ? sizeOf(*found) : sizeof found;
+      next = cache_->situations.keep(key, std::move(found), bytes);
     }
     if (!*next)
       return false;
-    rename(present, **next);
+    become(present, {next, &**next});
     ++present.step;
   }
 }
@@ -102,14 +144,37 @@ void CachedReasoner::follow(const std::vector<Record>& records, bool anew)
   if (!anew && !present_ && told_.size() > 1)
     return;  // it was lost
   if (anew || told_.size() == 1)
-    present_ = situations_->supported() && options_.relevant_only
-                   ? std::optional<Present>(Present{})
-                   : std::nullopt;
+  {
+    present_.reset();
+    if (situations_->supported() && options_.relevant_only)
+      present_ = Present{std::make_shared<const KnownSituation>(known({})), {}};
+  }
   if (!present_)
     return;
+  present_->values_there.reset();
   present_->values.reset();
-  if (!advance(*present_, records) || valuesAt(step_) == nullptr)
+  if (!advance(*present_, records) || valuesThere() == nullptr)
     present_.reset();
+}
+
+const Situations::PossibleValues* CachedReasoner::valuesThere()
+{
+  if (!present_)
+    return nullptr;
+  if (present_->values_there)
+    return present_->values_there.get();
+  const Fingerprint key = present_->situation->key;
+  auto known = cache_->values.find(key);
+  if (!known)
+  {
+    auto values = situations_->possibleValues(present_->situation->renamed.situation);
+    const std::size_t bytes = values ? sizeOf(*values) : sizeof values;
+    known = cache_->values.keep(key, std::move(values), bytes);
+  }
+  if (!*known)
+    return nullptr;
+  present_->values_there = {known, &**known};
+  return present_->values_there.get();
 }
 
 const Situations::PossibleValues* CachedReasoner::valuesAt(int step)
@@ -118,17 +183,10 @@ const Situations::PossibleValues* CachedReasoner::valuesAt(int step)
     return nullptr;
   if (present_->values)
     return &*present_->values;
-  const Fingerprint key = keyOf(present_->situation);
-  auto known = cache_->values.find(key);
-  if (!known)
-  {
-    auto values = situations_->possibleValues(present_->situation);
-    const std::size_t bytes = values ? sizeOf(*values) : sizeof values;
-    known = cache_->values.keep(key, std::move(values), bytes);
-  }
-  if (!*known)
+  const auto* values = valuesThere();
+  if (values == nullptr)
     return nullptr;
-  present_->values = situations_->renamed(**known, present_->renaming.inverse());
+  present_->values = situations_->renamed(*values, present_->renaming.inverse());
   return &*present_->values;
 }
 
@@ -146,14 +204,10 @@ std::optional<PlanResult> CachedReasoner::situationPlan(const std::string& goal,
 {
   if (!present_)
     return std::nullopt;
-  const RenamedSituation canonical =
-      situations_->canonical(present_->situation, present_->renaming.ofText(goal));
-  const Renaming to_plan = present_->renaming.then(canonical.renaming);
+  const auto canonical = forGoal(*present_->situation, present_->renaming.ofText(goal));
+  const Renaming to_plan = present_->renaming.then(canonical->renamed.renaming);
   const std::string goal_there = to_plan.ofText(goal);
-  Fingerprinter fingerprinter;
-  const Fingerprint situation = keyOf(canonical.situation);
-  fingerprinter.add(situation.high);
-  fingerprinter.add(situation.low);
+  Fingerprinter fingerprinter = begun(canonical->key, "plan");
   fingerprinter.addText(goal_there);
   fingerprinter.add(std::uint64_t{max_plans});
   const Fingerprint key = fingerprinter.result();
@@ -163,7 +217,8 @@ std::optional<PlanResult> CachedReasoner::situationPlan(const std::string& goal,
     reasoner::PlanOptions options = options_;
     options.all = max_plans > 1;
     options.max_plans = static_cast<int>(max_plans);
-    PlanResult result = situations_->plan(canonical.situation, goal_there, options, &cancel);
+    PlanResult result =
+        situations_->plan(canonical->renamed.situation, goal_there, options, &cancel);
     if (!result.complete)
       return std::nullopt;
     const std::size_t bytes = sizeOf(result);

@@ -46,6 +46,7 @@ MissionResult MissionDriver::achieve(const std::string& goal,
   surprises_.clear();
   surprised_fluents_.clear();
   given_up_.clear();
+  surprises_without_.clear();
   const double start_s = clock_();
   deadline_s_.reset();
   if (time_limit_s > 0.0)

@@ -352,7 +352,10 @@ Support MissionDriver::findSupport(const std::string& literal, int step)
     if (std::find(why.records.begin(), why.records.end(), text) != why.records.end())
       probability *= record.confidence;
   }
-  return {probability, why.reasons.empty() ? std::string() : why.reasons.back()};
+  // What is entailed because all else was refuted is no worse a guess than what is only assumed: it
+  // must not be refuted by the mere number of the others.
+  return {std::max(probability, config_.least_hypothesis_probability),
+          why.reasons.empty() ? std::string() : why.reasons.back()};
 }
 
 bool MissionDriver::mayHaveChanged(const std::string& fluent) const

@@ -205,6 +205,17 @@ double MissionDriver::surpriseWithout(const std::vector<std::size_t>& records)
   return sum;
 }
 
+std::string MissionDriver::sayingOf(const Retraction& retraction) const
+{
+  std::string all;
+  for (const std::size_t index : retraction.records)
+  {
+    const Record& record = knowledge_.history.at(index);
+    all += saying(record.statement, record.value) + "; ";
+  }
+  return all;
+}
+
 std::vector<std::size_t> MissionDriver::recordsToGiveUp()
 {
   std::vector<Retraction> found = retractable();
@@ -215,16 +226,33 @@ std::vector<std::size_t> MissionDriver::recordsToGiveUp()
   constexpr std::size_t kMostCompared = 12;
   if (found.size() > kMostCompared)
     found.resize(kMostCompared);
-  if (found.size() > 1)
+  if (found.size() <= 1)
+    return found.empty() ? std::vector<std::size_t>{} : found.front().records;
+  // The belief behind a record is about one value. To compare values, what is to be assumed if the
+  // record is wrong counts too. It takes long to find out, and grows as more is observed: only of
+  // what may be the least one it has to be known what it is now.
+  std::set<std::string> known_now;
+  for (;;)
   {
-    // The belief behind a record is about one value. To compare values, what is to be assumed if
-    // the record is wrong counts too.
-    for (auto& retraction : found)
-      retraction.log_odds += surpriseWithout(retraction.records);
-    reasoner_.setHistory(knowledge_.history);
-    std::stable_sort(found.begin(), found.end(), leastCertainFirst);
+    const Retraction* best = nullptr;
+    std::string said;
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& retraction : found)
+    {
+      std::string saying = sayingOf(retraction);
+      const auto before = surprises_without_.find(saying);
+      const double sum =
+          retraction.log_odds + (before == surprises_without_.end() ? 0.0 : before->second);
+      if (best != nullptr && sum >= least)
+        continue;
+      best = &retraction;
+      least = sum;
+      said = std::move(saying);
+    }
+    if (!known_now.insert(said).second)
+      return best->records;
+    surprises_without_[said] = surpriseWithout(best->records);
   }
-  return found.empty() ? std::vector<std::size_t>{} : found.front().records;
 }
 
 Event MissionDriver::performReopen()

@@ -87,6 +87,8 @@ void addOptions(CLI::App& app, Options& options)
                  "literal that is true in the world, such as \"loc(tb1) = kitchen\"");
   app.add_option("--cells-per-place", options.mission.components_per_whole,
                  "components of each magnified element where the domain has no map.yaml");
+  app.add_option("--max-hl-actions", options.mission.driver.limits.max_hl_actions,
+                 "after which a mission ends");
   app.add_option("--max-backups", options.mission.driver.budget.max_backups,
                  "of the solver, 0 = no limit");
   app.add_option("--solve-time", options.mission.driver.budget.time_s,
@@ -112,7 +114,7 @@ void addOptions(CLI::App& app, Options& options)
   app.add_flag("--quiet", options.quiet, "print the summary only");
   app.add_flag("--caches", options.caches, "print what the caches answered");
   for (const char* name : {"--goal", "--seed", "--trials", "--threads", "--target-at", "--true",
-                           "--cells-per-place", "--max-backups", "--solve-time",
+                           "--cells-per-place", "--max-hl-actions", "--max-backups", "--solve-time",
                            "--default-probability", "--bindings", "--models", "--world-models"})
     script->excludes(app.get_option(name));  // a script says all of it
   app.callback([domain, script] {

@@ -307,6 +307,70 @@ Reasoner Reasoner::Impl::without(const std::vector<std::size_t>& given_up) const
   return Reasoner(std::move(impl));
 }
 
+Retraction Reasoner::Impl::retractionOf(const std::vector<std::size_t>& set) const
+{
+  constexpr double kScale = 100.0;
+  Retraction retraction;
+  retraction.records = set;
+  for (const std::size_t i : set)
+  {
+    retraction.log_odds += doubtOf(history_[i]) / kScale;
+  }
+  return retraction;
+}
+
+void Reasoner::Impl::putInWords(Retraction& retraction) const
+{
+  std::vector<std::string> texts;
+  for (const std::size_t i : retraction.records)
+  {
+    texts.push_back(withPlace(history_[i]));
+  }
+  retraction.in_words =
+      (retraction.opens.empty() ? "the history is consistent" : retraction.opens + " is possible") +
+      (texts.empty() ? std::string(" as it is") : " without the record " + listed(texts));
+}
+
+std::optional<std::vector<Retraction>> Reasoner::Impl::givingUpContrary(const Literal& wanted,
+                                                                        int step)
+{
+  std::vector<std::size_t> contrary;
+  for (std::size_t i = 0; i < records_.size(); ++i)
+  {
+    const CheckedRecord& checked = records_[i];
+    if (checked.isAction() || checked.record.step != step ||
+        toString(checked.literal.atom) != toString(wanted.atom))
+    {
+      continue;
+    }
+    const bool same_value = checked.literal.value.name == wanted.value.name;
+    const bool contradicts =
+        wanted.equal ? checked.literal.equal != same_value : checked.literal.equal && same_value;
+    if (!contradicts)
+    {
+      continue;
+    }
+    if (checked.record.confidence >= 1.0)
+    {
+      return std::vector<Retraction>{};
+    }
+    contrary.push_back(i);
+  }
+  if (contrary.empty())
+  {
+    return std::nullopt;
+  }
+  const Reasoner reduced = without(contrary);
+  if (!reduced.impl_->optimum() || !reduced.impl_->consequences(step).inSome(wanted, step))
+  {
+    return std::nullopt;
+  }
+  Retraction retraction = retractionOf(contrary);
+  retraction.opens = toString(wanted, description());
+  putInWords(retraction);
+  return std::vector<Retraction>{std::move(retraction)};
+}
+
 std::vector<Retraction> Reasoner::Impl::retractions(
     const std::vector<Literal>& excluded, int step, std::size_t max_sets,
     const std::function<bool(const Reasoner&, Retraction&)>& accept)
@@ -314,28 +378,16 @@ std::vector<Retraction> Reasoner::Impl::retractions(
   const bool exogenous = !optimum() || optimum()->assumable.exogenous;
   std::vector<Retraction> found;
   retractionSets(description(), program(), records_, currentStep(), excluded, step, exogenous,
-                 max_sets,
-                 [&](const std::vector<std::size_t>& set) {
-    Retraction retraction;
-    retraction.records = set;
-    std::vector<std::string> texts;
-    for (const std::size_t i : set)
-    {
-      constexpr double kScale = 100.0;
-      retraction.log_odds += doubtOf(history_[i]) / kScale;
-      texts.push_back(withPlace(history_[i]));
-    }
-    if (!accept(without(set), retraction))
-    {
-      return false;
-    }
-    retraction.in_words =
-        (retraction.opens.empty() ? "the history is consistent"
-                                  : retraction.opens + " is possible") +
-        (set.empty() ? std::string(" as it is") : " without the record " + listed(texts));
-    found.push_back(std::move(retraction));
-    return true;
-  });
+                 max_sets, [&](const std::vector<std::size_t>& set) {
+                   Retraction retraction = retractionOf(set);
+                   if (!accept(without(set), retraction))
+                   {
+                     return false;
+                   }
+                   putInWords(retraction);
+                   found.push_back(std::move(retraction));
+                   return true;
+                 });
   return found;
 }
 

@@ -94,8 +94,17 @@ public:
       const std::vector<Literal>& excluded, int step, std::size_t max_sets,
       const std::function<bool(const Reasoner&, Retraction&)>& accept);
 
+  /// What contradicts a literal at a step by itself has to be given up, whatever else is. When that
+  /// is enough, it is the only minimal set of doubtful records without which the literal is
+  /// possible: that one, or none when a certain record contradicts. Nothing: it is not enough.
+  /// @param wanted  false in every model now
+  [[nodiscard]] std::optional<std::vector<Retraction>> givingUpContrary(const Literal& wanted,
+                                                                        int step);
+
 private:
   [[nodiscard]] bool isLarge() const;
+  [[nodiscard]] Retraction retractionOf(const std::vector<std::size_t>& set) const;
+  void putInWords(Retraction& retraction) const;
   /// The history without some of its records.
   [[nodiscard]] Reasoner without(const std::vector<std::size_t>& given_up) const;
 

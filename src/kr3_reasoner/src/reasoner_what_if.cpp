@@ -54,6 +54,10 @@ std::vector<Retraction> Reasoner::retractionsFor(const std::string& literal, int
   {
     return {};
   }
+  if (auto contrary_ones = impl_->givingUpContrary(wanted, step))
+  {
+    return std::move(*contrary_ones);
+  }
   return impl_->retractions({contrary(wanted, impl_->description())}, step, kMaxRetractions,
                             [&](const Reasoner& reduced, Retraction& retraction) {
     retraction.opens = toString(wanted, impl_->description());

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -128,6 +130,84 @@ TEST(Retraction, SaysWhatToGiveUpForALiteral)
   EXPECT_TRUE(reasoner.retractionsFor("loc(tb1) = office", 2).empty());  // possible as it is
   // not refuted by a record, only less plausible
   EXPECT_TRUE(reasoner.retractionsFor("loc(tb1) = kitchen", 2).empty());
+}
+
+TEST(Retraction, WhatContradictsByItselfIsAllOfItAndCertainRecordsStay)
+{
+  const std::string earlier = "obs(loc(tb1) = main_library, false, 1) [0.6]. ";
+  const Reasoner twice = office(earlier +
+                                "obs(loc(tb1) = aux_library, false, 2) [0.8]. "
+                                "obs(loc(tb1) = aux_library, false, 2) [0.9].");
+  const auto aux = twice.retractionsFor("loc(tb1) = aux_library", 2);
+  ASSERT_EQ(aux.size(), 1U);
+  EXPECT_EQ(aux[0].records, (std::vector<std::size_t>{1, 2}));
+  EXPECT_NEAR(aux[0].log_odds, std::log(4.0) + std::log(9.0), 0.01);
+  EXPECT_TRUE(office(earlier + "obs(loc(tb1) = aux_library, false, 2).")
+                  .retractionsFor("loc(tb1) = aux_library", 2)
+                  .empty());
+}
+
+/// Where a book is, by records that may be wrong; the last one says where it is not now.
+std::vector<Record> drawnRecords(std::uint64_t seed)
+{
+  static const char* const kPlaces[] = {"main_library", "aux_library", "office"};
+  constexpr int kNow = 2;
+  std::mt19937_64 random(seed);
+  std::vector<Record> records{{RecordKind::kInitially, "in_hand(rob1, tb1)", false, 0}};
+  const auto add = [&](bool value, int step) {
+    records.push_back({RecordKind::kObserved, std::string("loc(tb1) = ") + kPlaces[random() % 3],
+                       value, step, 0.55 + 0.1 * static_cast<double>(random() % 5)});
+  };
+  for (std::uint64_t i = random() % 4; i > 0; --i)
+  {
+    add(random() % 3 == 0, static_cast<int>(random() % (kNow + 1)));
+  }
+  add(false, kNow);
+  return records;
+}
+
+TEST(Retraction, WhatContradictsNowIsGivenUpAndAllThatIsGivenUpIsNeeded)
+{
+  std::size_t found = 0;
+  Reasoner reasoner(readDescription(kOffice));
+  for (std::uint64_t seed = 1; seed <= 30; ++seed)
+  {
+    const std::vector<Record> records = drawnRecords(seed);
+    const std::string& literal = records.back().statement;
+    SCOPED_TRACE("seed " + std::to_string(seed) + " " + literal);
+    reasoner.setHistory(records);
+    const int now = records.back().step;
+    const auto possibleWithout = [&](const std::vector<std::size_t>& given_up) {
+      std::vector<Record> kept;
+      for (std::size_t i = 0; i < records.size(); ++i)
+      {
+        if (std::find(given_up.begin(), given_up.end(), i) == given_up.end())
+        {
+          kept.push_back(records[i]);
+        }
+      }
+      ReasonerOptions options;
+      options.least_step = now;
+      Reasoner other(reasoner.description(), options);
+      other.setHistory(kept);
+      return other.isConsistent() && other.possible(literal, now);
+    };
+    const std::vector<Retraction> retractions = reasoner.retractionsFor(literal, now);
+    found += retractions.size();
+    for (const Retraction& retraction : retractions)
+    {
+      EXPECT_EQ(
+          std::count(retraction.records.begin(), retraction.records.end(), records.size() - 1), 1);
+      EXPECT_TRUE(possibleWithout(retraction.records));
+      for (std::size_t i = 0; retractions.size() == 1 && i < retraction.records.size(); ++i)
+      {
+        std::vector<std::size_t> fewer = retraction.records;
+        fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
+        EXPECT_FALSE(possibleWithout(fewer)) << "record " << retraction.records[i];
+      }
+    }
+  }
+  EXPECT_GT(found, 10U);
 }
 
 // DESIGN.md 3.2 point 6: one false negative must not end a mission.

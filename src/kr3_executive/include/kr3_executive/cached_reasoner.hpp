@@ -16,6 +16,13 @@
 namespace kr3::executive
 {
 
+/// A situation under names that do not matter, with the key under which it is looked up.
+struct KnownSituation
+{
+  reasoner::RenamedSituation renamed;
+  Fingerprint key;
+};
+
 /// Answers about histories, for reasoners of several threads. Thread-safe.
 struct ReasonerCache
 {
@@ -27,7 +34,8 @@ struct ReasonerCache
   ContentCache<std::vector<std::string>> entailed;  ///< at a step
   ContentCache<reasoner::Answer> answers;           ///< whether a literal is entailed, or possible
   // By situation, for all histories that come to it.
-  ContentCache<std::optional<reasoner::RenamedSituation>> situations;  ///< the next one
+  ContentCache<std::optional<KnownSituation>> situations;  ///< the next one
+  ContentCache<KnownSituation> named;                      ///< with more records, or for a goal
   ContentCache<std::optional<reasoner::Situations::PossibleValues>> values;
   ContentCache<reasoner::PlanResult> situation_plans;
 };
@@ -102,10 +110,12 @@ private:
   /// What the history says about the current step, by the names of `situation`.
   struct Present
   {
-    reasoner::Situation situation;
+    std::shared_ptr<const KnownSituation> situation;
     reasoner::Renaming renaming;  ///< from the history's names
     int step = 0;
-    std::optional<reasoner::Situations::PossibleValues> values = {};  ///< by the history's names
+    /// By the situation's names, and by the history's; found when they are first needed.
+    std::shared_ptr<const reasoner::Situations::PossibleValues> values_there = {};
+    std::optional<reasoner::Situations::PossibleValues> values = {};
   };
 
   /// @throws InvalidArgument  a record does not fit the description; nothing was told then
@@ -113,9 +123,17 @@ private:
   void tellWhole(const Fingerprint& key);
   /// Follows the situation as far as it can be.
   void follow(const std::vector<reasoner::Record>& records, bool anew);
-  [[nodiscard]] bool advance(Present& present, std::vector<reasoner::Record> records);
-  void rename(Present& present, const reasoner::RenamedSituation& other) const;
-  [[nodiscard]] Fingerprint keyOf(const reasoner::Situation& situation) const;
+  [[nodiscard]] bool advance(Present& present, const std::vector<reasoner::Record>& records);
+  [[nodiscard]] KnownSituation known(reasoner::RenamedSituation renamed) const;
+  /// The situation with more records of its step, by its own names.
+  [[nodiscard]] std::shared_ptr<const KnownSituation> withRecords(
+      const KnownSituation& situation, const std::vector<reasoner::Record>& records);
+  /// The situation under names that do not matter to it and to a goal.
+  [[nodiscard]] std::shared_ptr<const KnownSituation> forGoal(const KnownSituation& situation,
+                                                              const std::string& goal);
+  static void become(Present& present, std::shared_ptr<const KnownSituation> other);
+  /// Of the current step, by the situation's names; nullptr when it is not followed.
+  [[nodiscard]] const reasoner::Situations::PossibleValues* valuesThere();
   /// The values at a step, when the situation is followed and that is the current step.
   [[nodiscard]] const reasoner::Situations::PossibleValues* valuesAt(int step);
   [[nodiscard]] std::optional<reasoner::Answer> answerAt(const std::string& literal, int step);

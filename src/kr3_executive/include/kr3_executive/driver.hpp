@@ -128,7 +128,10 @@ private:
   /// -log of the prior odds of what the history without these records has to assume: exceptions to
   /// defaults and exogenous actions. Leaves that history with the reasoner.
   [[nodiscard]] double surpriseWithout(const std::vector<std::size_t>& records);
-  /// Indices into the history; none when no record is doubtful.
+  /// What the records say, whenever they say so.
+  [[nodiscard]] std::string sayingOf(const reasoner::Retraction& retraction) const;
+  /// Indices into the history; none when no record is doubtful. Leaves another history with the
+  /// reasoner.
   [[nodiscard]] std::vector<std::size_t> recordsToGiveUp();
   void apply(const Event& event);
   /// @param narration  called when somebody wants it
@@ -181,6 +184,9 @@ private:
   std::vector<std::string> surprised_fluents_;
   std::vector<std::string> exceptions_;  // the minimal explanation in force
   std::set<std::string> given_up_;       // statements that were taken back in this mission
+  /// What the history without some records had to assume when that was last looked at, by what the
+  /// records say: about the least that it has to assume now, with more observed.
+  std::map<std::string, double> surprises_without_;
   std::vector<ExplainedFact> facts_;
   std::map<std::pair<std::string, int>, Support> supports_;  // of the present history
   std::map<std::string, std::string> expected_by_default_;   // default that once gave a literal

@@ -40,10 +40,12 @@ struct Limits
   std::uint32_t max_hl_actions = 40;  ///< per mission
   std::uint32_t max_ll_actions = 60;  ///< per high-level action
   std::uint32_t max_attempts = 3;     ///< of one high-level action under one hypothesis
-  std::uint32_t max_reopened = 8;     ///< refutations taken back per mission
-  std::uint32_t max_rebuilds = 3;     ///< of the low-level task, per high-level action
-  std::uint32_t max_detours = 2;      ///< longer ways taken where no shortest one is left
-  double threshold = 0.85;            ///< belief becomes knowledge above it, in (0.5, 1)
+  /// Refutations taken back per mission. The driver takes each value's back once only, as many as
+  /// there are; this bound is for those who want fewer, and ends any mission besides.
+  std::uint32_t max_reopened = 1000;
+  std::uint32_t max_rebuilds = 3;  ///< of the low-level task, per high-level action
+  std::uint32_t max_detours = 2;   ///< longer ways taken where no shortest one is left
+  double threshold = 0.85;         ///< belief becomes knowledge above it, in (0.5, 1)
 };
 
 /// A plan with its expected low-level cost.

@@ -1,1 +1,1 @@
-"""Experiments: sweeps of trials, their rows, statistics, figures and reports."""
+"""Experiments: sweeps of trials, their rows, statistics, figures and reports (DESIGN.md, section 9)."""
