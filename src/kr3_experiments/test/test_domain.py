@@ -1,4 +1,5 @@
 """Domains are read with the checks that bring-up relies on; the final check knows a fetched object."""
+import re
 import shutil
 from pathlib import Path
 
@@ -112,3 +113,21 @@ def test_an_object_elsewhere_is_not_fetched_and_the_place_is_named(domain):
 
 def test_a_lost_object_is_not_fetched(domain):
     assert not check_fetched(domain, {}, "").success
+
+
+@pytest.mark.parametrize(
+    "old, new, what",
+    [
+        ("placements:", "placement:", "unknown key 'placement'; known: initial_records, goal"),
+        ("  goal_place:", "  place:", "unknown key 'place'; known: object, at"),
+        (r"may_be_at: \[.*\]", "may_be_at: office", "found 'office'"),
+        (r"may_be_at: \[.*\]", "may_be_at: []", "a list of places"),
+    ],
+)
+def test_a_misspelt_scenario_is_refused(copied, old, new, what):
+    file = copied / "domains" / "copy" / "scenario.yaml"
+    text, times = re.subn(old, new, file.read_text())
+    assert times == 1
+    file.write_text(text)
+    with pytest.raises(Kr3Error, match=f"scenario.yaml: .*{what}"):
+        load_domain("copy", copied)

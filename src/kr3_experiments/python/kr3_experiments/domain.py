@@ -3,10 +3,13 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Mapping
+from typing import Any, Collection, Dict, List, Mapping
 
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.yaml_file import read_mapping
+
+_SCENARIO_KEYS = ("initial_records", "goal", "target", "placements")
+_TARGET_KEYS = ("object", "at", "goal_place", "may_be_at")
 
 
 def repository_root() -> Path:
@@ -128,8 +131,10 @@ def load_domain(name: str, root: Path) -> Domain:
     building = read_mapping(building_file)
     places = _places(building, building_file)
     robot_start = _robot_start(building, building_file)
+    _check_keys(scenario, _SCENARIO_KEYS, file)
     try:
         target = scenario["target"]
+        _check_keys(target, _TARGET_KEYS, file)
         domain = Domain(
             name=folder.name,
             folder=folder,
@@ -142,8 +147,12 @@ def load_domain(name: str, root: Path) -> Domain:
             placements=dict(scenario.get("placements") or {}),
             places=places,
         )
-    except (KeyError, TypeError) as error:
+    except (KeyError, TypeError, ValueError) as error:
         raise Kr3Error(f"{file}: missing or malformed key {error}") from error
+    if not isinstance(target["may_be_at"], list) or not target["may_be_at"]:
+        raise Kr3Error(
+            f"{file}: 'may_be_at': found {target['may_be_at']!r}, expected a list of places"
+        )
     named = [domain.target.goal_place, domain.target.at, *domain.target.may_be_at]
     for place in [*named, *domain.placements.values()]:
         if place not in places:
@@ -151,6 +160,13 @@ def load_domain(name: str, root: Path) -> Domain:
                 f"{file}: '{place}' is no place of building.yaml, which has {', '.join(sorted(places))}"
             )
     return domain
+
+
+def _check_keys(found: Mapping[str, Any], known: Collection[str], file: Path) -> None:
+    """@throws Kr3Error  a key is none of those: misspelt, it would count as left out"""
+    unknown = sorted(set(map(str, found)) - set(known))
+    if unknown:
+        raise Kr3Error(f"{file}: unknown key '{unknown[0]}'; known: {', '.join(known)}")
 
 
 def _places(building: Mapping[str, Any], file: Path) -> Dict[str, Rectangle]:
