@@ -4,7 +4,7 @@
 A policy is ready when its lower bound is at least 98 % of the best value known: of the greater of the
 lower bound that a long run reaches and what its policy earns at least in simulation (95 %). Where that
 value is near 0, an absolute regret counts instead. The time runs from the zoom on: generation included.
-The goals are those of issue 5 and of GOALS.md, sections 1 and 4.
+The goals were set beforehand; each stands beside its figure.
 """
 
 import argparse

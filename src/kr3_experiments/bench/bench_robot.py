@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Measure the robot: driving, localisation, maps, rooms, simulator, camera, perception, the whole loop.
 
-The goals are those of GOALS.md, section 3, and of issue 6. What a part's own program measures is asked of that program;
-one that is missing is said and left out. Times are CPU times of one thread unless a row says `wall`.
+The goals were set beforehand. What a part's own program measures is asked of that program; one that is missing is said
+and left out. Times are CPU times of one thread unless a row says `wall`.
 """
 
 import argparse

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Measure the POMDP solver: bounds over time, values of its policies, memory, loading, lookups, deadlines.
 
-Times are CPU seconds after loading, one thread. The goals beside the figures are those of GOALS.md,
-section 1, with what APPL's SARSOP measured. With --data the published files are used, without it
+Times are CPU seconds after loading, one thread. The goals beside the figures are those of
+pomdp_benchmark/goals.py, with what APPL's SARSOP measured. With --data the published files are used, without it
 problems generated from their formulas. With --peer an APPL pomdpsol runs in turns with the solver, and
 its figures of this session count.
 """

@@ -3,7 +3,7 @@
 
 Every figure is a median over runs of one process each. The single-shot literal encoding of the fetch
 plan (literal_encoding.py) is solved in the same run, with a time limit; so is SPARC when --sparc-jar
-names it. The goals are those of GOALS.md, section 2.
+names it. The goals were set beforehand; each stands beside its figure.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""What is to be reached, and what APPL's SARSOP measured: the figures of GOALS.md, section 1.
+"""What is to be reached, set beforehand, and what APPL's SARSOP measured.
 
 APPL's figures are from a two-core AMD EPYC, one thread, CPU seconds after loading. Where the peer runs
 beside (`--peer`), its own figures of the session count instead.

@@ -1,1 +1,1 @@
-"""Experiments: sweeps of trials, their rows, statistics, figures and reports (DESIGN.md, section 9)."""
+"""Experiments: sweeps of trials, their rows, statistics, figures and reports."""

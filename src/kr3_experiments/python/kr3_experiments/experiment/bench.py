@@ -1,4 +1,4 @@
-"""`./kr3 bench experiments`: the figures of GOALS.md, section 4, from rows that are there, and trials a second."""
+"""`./kr3 bench experiments`: figures beside their goals from rows that are there, and trials a second."""
 import argparse
 import sys
 from dataclasses import asdict, dataclass, field

@@ -43,7 +43,9 @@ _MODELS = "models_learned.yaml"  # of every method: what looks, drives and grasp
 _OBEY = 0.8  # share of missions in which the object is in the first place that the scenario names
 _MISSION_LIMIT_S = 3600.0  # simulated
 _WALL_LIMIT_S = 3600.0  # of a stack that hangs
-_MOST_STARTS = 3  # of a stack that does not come up, as on a busy machine: no method is to blame for it
+_MOST_STARTS = (
+    3  # of a stack that does not come up, as on a busy machine: no method is to blame for it
+)
 _PAPER_RATIO = 1.64
 _NO_MISSION = "the mission did not run"
 _RESULTS: Dict[str, Callable[[str], Any]] = {

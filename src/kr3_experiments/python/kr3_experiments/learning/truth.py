@@ -46,7 +46,9 @@ class Truth:
 
     def __init__(self, path: Path):
         if not path.exists():
-            raise Kr3Error(f"{path}: there is no such file; it says how ground truth becomes fluents")
+            raise Kr3Error(
+                f"{path}: there is no such file; it says how ground truth becomes fluents"
+            )
         content = read_mapping(path, "expected the keys 'robot' and 'truth'")
         if set(content) != {"robot", "truth"}:
             raise Kr3Error(f"{path}: expected the keys 'robot' and 'truth'")
