@@ -372,6 +372,16 @@ void OccupancyMap::clearChanges()
 {
   impl_->tree.resetChangeDetection();
 }
+Rectangle OccupancyMap::extent() const
+{
+  Rectangle extent{0.0, 0.0, 0.0, 0.0};
+  if (impl_->tree.size() == 0)
+    return extent;
+  double z = 0.0;
+  impl_->tree.getMetricMin(extent.x_min, extent.y_min, z);
+  impl_->tree.getMetricMax(extent.x_max, extent.y_max, z);
+  return extent;
+}
 double OccupancyMap::resolution() const
 {
   return impl_->tree.getResolution();

@@ -8,6 +8,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include <kr3_common/error.hpp>
+
 namespace kr3::navigation
 {
 namespace
@@ -240,6 +242,18 @@ SegmentationAgreement compareRooms(const Segmentation& segmentation,
   for (const auto& [room, count] : best_of)
     agreement.under_segmented += count > 1 ? 1 : 0;
   return agreement;
+}
+
+std::vector<Place> placesOfMap(const OccupancyMap& map, double z_min_m, double z_max_m,
+                               const SegmentationOptions& options)
+{
+  const Segmentation segmentation =
+      segmentRooms(map.project(z_min_m, z_max_m, map.extent()), options);
+  if (segmentation.num_rooms == 0)
+    throw InvalidArgument("the map shows no room: no free floor of at least " +
+                          std::to_string(options.least_area_m2) + " m^2 between " +
+                          std::to_string(z_min_m) + " m and " + std::to_string(z_max_m) + " m");
+  return placesOf(segmentation);
 }
 
 std::vector<Place> placesOf(const Segmentation& segmentation)

@@ -217,6 +217,35 @@ class NavigationNodeTest(unittest.TestCase):
         self.assertIn("pose_source must be", bad)
         self.assertIn("mpa is unknown", bad)
 
+    def test_finds_rooms_in_the_map_when_there_are_no_labels(self):
+        node = subprocess.Popen(
+            [
+                "rosrun",
+                "kr3_navigation",
+                "navigation_node",
+                "__name:=navigation_node",
+                "__ns:=/unlabelled",
+                "_place_source:=map",
+                "_map:=" + rospy.get_param("/navigation_node/map"),
+            ]
+        )
+        try:
+            array = rospy.wait_for_message("/unlabelled/cells", CellArray, timeout=ANSWER)
+        finally:
+            node.send_signal(signal.SIGINT)
+            node.wait(ANSWER)
+        self.assertEqual(
+            [cell.name for cell in array.cells],
+            [f"room_{room}_c{i}" for room in range(2) for i in range(4)],
+        )
+        self.assertTrue(all(math.isfinite(way) for way in array.travel_distance))
+        bad = self.start_and_fail("_place_source:=labels", "_map:=/nowhere.bt")
+        self.assertIn("place_source must be 'building' or 'map'", bad)
+        missing = self.start_and_fail("_place_source:=map", "_map:=/nowhere.bt")
+        self.assertIn("/nowhere.bt does not exist", missing)
+        mapping = self.start_and_fail("_place_source:=map", "_pose_source:=mapping")
+        self.assertIn("must be 'building' while a map is built", mapping)
+
     def test_zz_stops_the_wheels_when_interrupted(self):
         self.move_to.send_goal(self.skill(self.far_cell()))
         self.assertTrue(wait_until(self.moving))

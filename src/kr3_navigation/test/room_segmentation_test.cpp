@@ -1,7 +1,13 @@
 #include "kr3_navigation/room_segmentation.hpp"
 
+#include <string>
+
 #include <gtest/gtest.h>
 
+#include <kr3_common/error.hpp>
+
+#include "kr3_navigation/cells.hpp"
+#include "kr3_navigation/live_map.hpp"
 #include "synthetic_world.hpp"
 
 namespace kr3::navigation
@@ -71,6 +77,39 @@ TEST(RoomSegmentation, GivesPlacesInsideTheirRooms)
     EXPECT_GT(place.rectangle.width() * place.rectangle.height(), 9.0) << place.name;
     EXPECT_TRUE(place.rectangle.x_max < 4.2 || place.rectangle.x_min > 3.8) << place.name;
   }
+}
+
+TEST(RoomSegmentation, GivesRoomsAndCellsOfAMapWithoutLabels)
+{
+  const OccupancyMap map =
+      OccupancyMap::load(std::string(KR3_TEST_DIR) + "/data/two_rooms.bt", OccupancyMapOptions{});
+  const LiveMapOptions band;
+  const std::vector<Place> places = placesOfMap(map, band.z_min_m, band.z_max_m, {});
+  ASSERT_EQ(places.size(), 2U);
+  EXPECT_EQ(places[0].name, "room_0");
+  for (std::size_t i = 0; i < 2; ++i)
+  {
+    // The same rooms as the labels', one of them without the side where the table stands.
+    EXPECT_TRUE(kPlaces[i].rectangle.shrunk(-0.15).contains(
+        {places[i].rectangle.x_min, places[i].rectangle.y_min}));
+    EXPECT_TRUE(kPlaces[i].rectangle.shrunk(-0.15).contains(
+        {places[i].rectangle.x_max, places[i].rectangle.y_max}));
+    EXPECT_GT(places[i].rectangle.width() * places[i].rectangle.height(), 9.5);
+  }
+  const LiveMap live(map.copy(), true, areaOf(places, 0.2), band);
+  const CellMap cells(places, CellOptions{}, live.planner());
+  ASSERT_EQ(cells.cells().size(), 8U);
+  bool through_the_door = false;
+  for (const Cell& cell : cells.cells())
+  {
+    EXPECT_TRUE(cell.reachable) << cell.name;
+    for (const std::size_t neighbor : cell.neighbors)
+      through_the_door = through_the_door || cells.cells()[neighbor].place != cell.place;
+  }
+  EXPECT_TRUE(through_the_door);
+  EXPECT_THROW((void)placesOfMap(OccupancyMap(OccupancyMapOptions{}), 0.05, 0.6, {}),
+               InvalidArgument);
+  EXPECT_THROW((void)placesOfMap(map, 5.0, 6.0, {}), InvalidArgument);
 }
 
 TEST(RoomSegmentation, AnEmptyOrUnknownMapHasNoRooms)

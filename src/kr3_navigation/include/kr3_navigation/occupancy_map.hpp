@@ -69,6 +69,9 @@ public:
   /// @throws InvalidArgument  that would be more than 25 million nodes
   [[nodiscard]] OccupancyGrid project(double z_min_m, double z_max_m, const Rectangle& area) const;
 
+  /// What the map knows, seen from above; a rectangle of no size at the origin when that is
+  /// nothing.
+  [[nodiscard]] Rectangle extent() const;
   [[nodiscard]] double resolution() const;
   [[nodiscard]] std::size_t numLeaves() const;
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "kr3_navigation/occupancy_grid.hpp"
+#include "kr3_navigation/occupancy_map.hpp"
 #include "kr3_navigation/places.hpp"
 
 namespace kr3::navigation
@@ -56,6 +56,13 @@ struct SegmentationAgreement
 
 [[nodiscard]] SegmentationAgreement compareRooms(const Segmentation& segmentation,
                                                  const std::vector<Place>& places);
+
+/// The rooms of a map alone, for a building without labels: see segmentRooms() and placesOf(). The
+/// rectangles leave out what lies between rooms, such as walls and doorways.
+/// @param z_min_m, z_max_m  the band of heights in which something is an obstacle
+/// @throws InvalidArgument  no room is found
+[[nodiscard]] std::vector<Place> placesOfMap(const OccupancyMap& map, double z_min_m,
+                                             double z_max_m, const SegmentationOptions& options);
 
 /// The rooms as places named room_0, room_1, ... from the lower left: the largest rectangles of
 /// free nodes in each. For a building without labels.

@@ -20,14 +20,42 @@ constexpr double kGridMargin = 0.2;  // m around the places
 constexpr std::uint32_t kScanQueue = 5;
 constexpr PoseSpread kFrameSpread{0.005, 0.002};
 
+void requireMap(const NavigationNodeConfig& config)
+{
+  if (std::filesystem::exists(config.map))
+    return;
+  const std::string problem = "the map " + config.map.string() + " does not exist";
+  if (config.building.empty())
+    throw Unavailable(problem);
+  throw Unavailable(problem + "; build it with `./kr3 map " +
+                    std::filesystem::absolute(config.building).parent_path().filename().string() +
+                    "`");
+}
+
+std::vector<Place> placesFor(const NavigationNodeConfig& config)
+{
+  if (config.place_source == PlaceSource::kBuilding)
+    return loadPlaces(config.building);
+  requireMap(config);
+  const std::vector<Place> places =
+      placesOfMap(OccupancyMap::load(config.map, config.occupancy), config.live_map.z_min_m,
+                  config.live_map.z_max_m, config.segmentation);
+  ROS_INFO("the map shows %zu rooms", places.size());
+  return places;
+}
+
+std::vector<Door> doorsFor(const NavigationNodeConfig& config, const std::vector<Place>& places)
+{
+  if (config.place_source == PlaceSource::kMap)
+    return {};  // passages are found where they are blocked
+  return loadDoors(config.building, places);
+}
+
 LiveMap makeLiveMap(const NavigationNodeConfig& config, const std::vector<Place>& places)
 {
   if (config.pose_source != PoseSource::kLocalisation)
     return {OccupancyMap(config.occupancy), false, areaOf(places, kGridMargin), config.live_map};
-  if (!std::filesystem::exists(config.map))
-    throw Unavailable(
-        "the map " + config.map.string() + " does not exist; build it with `./kr3 map " +
-        std::filesystem::absolute(config.building).parent_path().filename().string() + "`");
+  requireMap(config);
   return {OccupancyMap::load(config.map, config.occupancy), true, areaOf(places, kGridMargin),
           config.live_map};
 }
@@ -57,8 +85,8 @@ double smoothed(double before, double now)
 
 NavigationNode::NavigationNode(const NavigationNodeConfig& config)
   : config_(config)
-  , places_(loadPlaces(config.building))
-  , doors_(loadDoors(config.building, places_))
+  , places_(placesFor(config))
+  , doors_(doorsFor(config, places_))
   , navigator_(makeNavigator(config, places_))
 {
   ros::NodeHandle nh;

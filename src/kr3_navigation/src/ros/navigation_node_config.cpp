@@ -34,7 +34,18 @@ void readPose(ParamReader& params, NavigationNodeConfig& config)
 
 void readMap(ParamReader& params, NavigationNodeConfig& config)
 {
-  config.building = params.require<std::string>("building");
+  const std::string source = params.get<std::string>("place_source", "building");
+  params.check(source == "building" || source == "map", "place_source",
+               "must be 'building' or 'map', not '" + source + "'");
+  params.check(source != "map" || config.pose_source == PoseSource::kLocalisation, "place_source",
+               "must be 'building' while a map is built");
+  config.place_source = source == "map" ? PlaceSource::kMap : PlaceSource::kBuilding;
+  readPositive(params, "room_door_width", config.segmentation.door_width_m, 5.0);
+  readPositive(params, "room_least_area", config.segmentation.least_area_m2, 1000.0);
+  if (config.place_source == PlaceSource::kBuilding)
+    config.building = params.require<std::string>("building");
+  else
+    config.building = params.get<std::string>("building", "");
   config.map = params.get<std::string>("map", "");
   params.check(config.pose_source != PoseSource::kLocalisation || !config.map.empty(), "map",
                "must name an OctoMap file (.bt) when pose_source is 'localisation'");

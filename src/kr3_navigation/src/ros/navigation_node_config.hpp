@@ -9,9 +9,17 @@
 #include "kr3_navigation/driver.hpp"
 #include "kr3_navigation/live_map.hpp"
 #include "kr3_navigation/particle_filter.hpp"
+#include "kr3_navigation/room_segmentation.hpp"
 
 namespace kr3::navigation
 {
+
+/// Where rooms come from.
+enum class PlaceSource
+{
+  kBuilding,  ///< the labels of the building file
+  kMap,       ///< segmentation of the map
+};
 
 enum class PoseSource
 {
@@ -23,7 +31,9 @@ enum class PoseSource
 /// The parameters of navigation_node; README.md has the table.
 struct NavigationNodeConfig
 {
-  std::filesystem::path building;
+  std::filesystem::path building;  ///< read with PlaceSource::kBuilding only
+  PlaceSource place_source = PlaceSource::kBuilding;
+  SegmentationOptions segmentation;
   std::filesystem::path map;      ///< read with kLocalisation only
   std::filesystem::path map_out;  ///< written by save_map; may be empty
   PoseSource pose_source = PoseSource::kLocalisation;
