@@ -254,10 +254,9 @@ std::vector<reasoner::Literal> MissionDriver::believedState(
   std::vector<reasoner::Literal> state;
   for (const auto& text : reasoner_.entailedAt(state_.step))
   {
-    reasoner::Literal literal = reasoner::parseGroundLiteral(text, domain_.highLevel());
-    if (!literal.equal)
-      continue;
-    state.push_back(std::move(literal));
+    if (text.find("!=") != std::string::npos)
+      continue;  // one for each value that is excluded: too many to be parsed each time
+    state.push_back(reasoner::parseGroundLiteral(text, domain_.highLevel()));
   }
   if (hypothesis.empty())
     return state;

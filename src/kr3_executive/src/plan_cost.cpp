@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <map>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -18,6 +17,7 @@ namespace
 using reasoner::Literal;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kUnknown = -1.0;       // costs are not negative
 constexpr std::size_t kMaxOrdered = 8;  // hypotheses whose orders are all considered
 
 /// The expected time to the goal for every first plan, with the others in the best order after it.
@@ -28,7 +28,9 @@ public:
   ///                 plan's hypothesis was refuted, where the plan's own is null
   BestOrder(const std::vector<std::vector<std::shared_ptr<const PlanEffort>>>& efforts,
             const std::vector<double>& probabilities)
-    : efforts_(efforts), probabilities_(probabilities)
+    : efforts_(efforts)
+    , probabilities_(probabilities)
+    , known_((std::size_t{1} << probabilities.size()) * efforts.size(), kUnknown)
   {
   }
 
@@ -49,22 +51,22 @@ public:
 private:
   double best(unsigned left, std::size_t from)
   {
-    const auto known = known_.find({left, from});
-    if (known != known_.end())
-      return known->second;
+    double& known = known_[left * efforts_.size() + from];
+    if (known >= 0.0)
+      return known;
     double least = kInfinite;
     for (std::size_t i = 0; i < probabilities_.size(); ++i)
     {
       if ((left >> i & 1U) != 0)
         least = std::min(least, startingWith(i, left, from));
     }
-    known_[{left, from}] = least;
+    known = least;
     return least;
   }
 
   const std::vector<std::vector<std::shared_ptr<const PlanEffort>>>& efforts_;
   const std::vector<double>& probabilities_;
-  std::map<std::pair<unsigned, std::size_t>, double> known_;
+  std::vector<double> known_;  // least costs, shape [2^plans, from]
 };
 
 void addNumber(Fingerprinter& fingerprinter, double number)
