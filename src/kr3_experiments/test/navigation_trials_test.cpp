@@ -58,5 +58,39 @@ TEST_F(NavigationTrialsTest, RecoversFromAWrongFirstPose)
   EXPECT_LT(trial.report.end_error_m, 0.15);
 }
 
+TEST_F(NavigationTrialsTest, GoesRoundABoxThatIsLowerThanTheLaser)
+{
+  using namespace navigation;
+  const Pose start{10.6, 5.0, M_PI};
+  Site today = site_;
+  today.building.robot_start = {start.x, start.y, start.yaw};
+  sim::Furniture box = today.building.furniture.front();
+  box.name = "low_box";
+  box.place = "corridor";
+  box.size = {0.4, 0.4, 0.15};
+  box.pose = {7.5, 4.9, 0.0};
+  today.building.furniture.push_back(box);
+  ASSERT_LT(box.size.z, robot_.world.robot.T_base_laser.position.z);
+
+  LiveMap map(map_.copy(), true, areaOf(site_.places, 0.2), robot_.live_map);
+  const CellMap cells(site_.places, robot_.cells, map.planner());
+  const Cell& goal = cells.cells()[*cells.find("corridor_c0")];
+  ParticleFilter filter(map.reference(), robot_.filter, 1);
+  sim::Scenario scenario;
+  scenario.building = today.building;
+  scenario.models = today.models;
+  SimulatedRobot robot(scenario,
+                       Navigator(std::move(map), PoseTracker(std::move(filter), start), {}),
+                       robot_.driver, robot_.cells, site_.places, site_.doors);
+  robot.wait(0.5);
+  const DriveReport report = robot.driveTo(goal, 120.0);
+  EXPECT_TRUE(report.arrived) << report.reason;
+  EXPECT_GE(report.contacts, 1U) << "it cannot know before";
+  EXPECT_LE(report.contacts, 6U);
+  EXPECT_LT(report.time_s, 90.0);
+  EXPECT_LT(report.errors.max_m, 0.35) << "wheels that slip do not carry localisation away";
+  EXPECT_FALSE(robot.navigator().map().planner().isFree(Point{7.5, 4.9})) << "it remembers";
+}
+
 }  // namespace
 }  // namespace kr3::experiments

@@ -65,12 +65,25 @@ std::vector<int> assignNodes(const std::vector<Cell>& cells, double depth_m,
   return owner;
 }
 
+bool knowsPartOf(const OccupancyGrid& grid, const Rectangle& area)
+{
+  for (std::size_t node = 0; node < grid.nodes.size(); ++node)
+  {
+    if (grid.nodes[node] != Occupancy::kUnknown &&
+        area.contains(grid.geometry.center(static_cast<int>(node))))
+      return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<Rectangle> splitIntoCells(const Rectangle& place, int count)
 {
-  if (count < 1)
-    throw InvalidArgument(std::to_string(count) + " cells per room, expected at least 1");
+  constexpr int kMaxCells = 1000;
+  if (count < 1 || count > kMaxCells)
+    throw InvalidArgument(std::to_string(count) + " cells per room, expected 1 to " +
+                          std::to_string(kMaxCells));
   int best_columns = 1;
   double best_skew = std::numeric_limits<double>::infinity();
   for (int columns = 1; columns <= count; ++columns)
@@ -248,6 +261,39 @@ const std::string& CellMap::nearestName(const std::string& name) const
   }
   const std::string* nearest = kr3::nearestName(name, names);
   return cells_.at(static_cast<std::size_t>(nearest - names.data())).name;
+}
+
+std::vector<std::string> describeUnreachable(const CellMap& map, const std::vector<Place>& places,
+                                             const OccupancyGrid& grid)
+{
+  std::vector<std::string> lines;
+  bool any_reachable = false;
+  for (const Place& place : places)
+  {
+    std::vector<std::string> cells;
+    bool reachable = false;
+    for (const Cell& cell : map.cells())
+    {
+      if (cell.place != place.name)
+        continue;
+      reachable = reachable || cell.reachable;
+      if (!cell.reachable)
+        cells.push_back("the cell " + cell.name + " has no free point that the robot can reach");
+    }
+    any_reachable = any_reachable || reachable;
+    if (reachable)
+      lines.insert(lines.end(), cells.begin(), cells.end());
+    else if (knowsPartOf(grid, place.rectangle))
+      lines.push_back("the place " + place.name + " has no free point that the robot can reach");
+    else
+      lines.push_back("the place " + place.name + ", x " + std::to_string(place.rectangle.x_min) +
+                      " to " + std::to_string(place.rectangle.x_max) + " m, y " +
+                      std::to_string(place.rectangle.y_min) + " to " +
+                      std::to_string(place.rectangle.y_max) + " m, is not in the map");
+  }
+  if (!any_reachable)
+    lines.emplace_back("no cell of the building can be reached: does the map belong to it?");
+  return lines;
 }
 
 std::size_t CellMap::cellAt(Point p) const

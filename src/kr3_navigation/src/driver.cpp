@@ -16,6 +16,11 @@ constexpr double kReaction = 0.15;       // s: age of a scan and of the last com
 constexpr double kCloseRange = 8.0;      // m: how far hits count for a closer look
 constexpr double kCloseLookAhead = 0.2;  // m
 constexpr double kCloseSpeed = 0.25;     // m/s
+constexpr double kPush = 0.25;           // m: told to drive that far and moved less than the share
+constexpr double kStuckShare = 0.3;      // below, it is stuck
+constexpr double kBackOff = 0.15;        // m
+constexpr double kBackOffSpeed = 0.15;   // m/s
+constexpr double kBackOffTime = 3.0;     // s, at most
 constexpr double kMaxPeriod = 0.2;       // s: a longer gap between steps counts as this
 
 }  // namespace
@@ -34,6 +39,8 @@ const char* toString(DrivePhase phase)
       return "turning";
     case DrivePhase::kBlocked:
       return "blocked";
+    case DrivePhase::kBackingOff:
+      return "backing off";
     case DrivePhase::kArrived:
       return "arrived";
     case DrivePhase::kUnreachable:
@@ -53,13 +60,20 @@ void Driver::start(const DriveGoal& goal)
   progress_ = 0.0;
   replans_ = 0;
   wants_fresh_map_ = false;
+  contact_.reset();
+  commanded_m_ = 0.0;
 }
 
 void Driver::redirect(const DriveGoal& goal)
 {
   goal_ = goal;
-  if (phase_ != DrivePhase::kBlocked)
+  if (phase_ != DrivePhase::kBlocked && phase_ != DrivePhase::kBackingOff)
     phase_ = DrivePhase::kPlanning;
+}
+
+std::optional<Point> Driver::takeContact()
+{
+  return std::exchange(contact_, std::nullopt);
 }
 
 bool Driver::takeFreshMapRequest()
@@ -197,8 +211,17 @@ Velocity Driver::step(const DriveInput& input)
   const double period =
       last_time_s_ ? std::clamp(input.time_s - *last_time_s_, 0.0, kMaxPeriod) : 0.0;
   if (last_time_s_ && input.time_s < *last_time_s_)  // the clock started again
-    blocked_since_s_ = nearest_time_s_ = input.time_s;
+    blocked_since_s_ = nearest_time_s_ = touched_time_s_ = input.time_s;
   last_time_s_ = input.time_s;
+  if (isStuck(input, period))
+  {
+    const Point ahead{options_.robot_radius_m + options_.contact_reach_m, 0.0};
+    contact_ = input.pose * ahead;
+    touched_at_ = input.pose.position();
+    touched_time_s_ = input.time_s;
+    phase_ = DrivePhase::kBackingOff;
+    current_.linear = std::min(current_.linear, 0.0);
+  }
 
   if (phase_ == DrivePhase::kPlanning)
     plan(input);
@@ -218,6 +241,8 @@ Velocity Driver::step(const DriveInput& input)
     wanted = drive(input);
   if (phase_ == DrivePhase::kTurning)
     wanted = turn(input);
+  if (phase_ == DrivePhase::kBackingOff)
+    wanted = backOff(input);
   if (!isActive())
     return Velocity{};
   current_ = limited(wanted, current_, period, options_.limits);
@@ -272,6 +297,37 @@ Velocity Driver::drive(const DriveInput& input)
     }
   }
   return wanted;
+}
+
+bool Driver::isStuck(const DriveInput& input, double period_s)
+{
+  const Point here = input.pose.position();
+  if (phase_ != DrivePhase::kDriving || commanded_m_ == 0.0)
+    moved_from_ = here;
+  commanded_m_ = phase_ == DrivePhase::kDriving
+                     ? commanded_m_ + std::max(0.0, current_.linear) * period_s
+                     : 0.0;
+  if (input.slipped && commanded_m_ > 0.0)
+  {
+    commanded_m_ = 0.0;
+    return true;
+  }
+  if (commanded_m_ < kPush)
+    return false;
+  const bool stood = distance(here, moved_from_) < kStuckShare * commanded_m_;
+  commanded_m_ = 0.0;
+  return stood;
+}
+
+Velocity Driver::backOff(const DriveInput& input)
+{
+  const Velocity back{-kBackOffSpeed, 0.0};
+  const double room = freeDistance(back, input.obstacles_base, options_.robot_radius_m, kBackOff);
+  if (room >= kBackOff / 2.0 && distance(input.pose.position(), touched_at_) < kBackOff &&
+      input.time_s - touched_time_s_ < kBackOffTime)
+    return back;
+  plan(input);
+  return {};
 }
 
 Velocity Driver::turn(const DriveInput& input) const

@@ -1,5 +1,7 @@
 #include "kr3_navigation/live_map.hpp"
 
+#include <algorithm>
+
 namespace kr3::navigation
 {
 
@@ -19,6 +21,12 @@ LiveMap::LiveMap(OccupancyMap map, bool given, const Rectangle& area, const Live
 void LiveMap::project()
 {
   grid_ = map_.project(options_.z_min_m, options_.z_max_m, area_);
+  for (const Contact& contact : contacts_)
+  {
+    forEachNear(grid_.geometry, contact.p_map, options_.contact_radius_m, [&](int node) {
+      grid_.nodes[static_cast<std::size_t>(node)] = Occupancy::kOccupied;
+    });
+  }
   planner_.emplace(grid_, options_.planner);
 }
 
@@ -38,21 +46,41 @@ void LiveMap::insertScan(const LaserScan& scan, const Pose& T_map_laser, double 
     map_.insertScan(scan, T_map_laser, height_m, options_.mapping_range_m);
 }
 
+void LiveMap::addContact(Point p_map, double time_s)
+{
+  if (!area_.contains(p_map))
+    return;
+  contacts_.push_back({p_map, time_s});
+  contacts_changed_ = true;
+}
+
+void LiveMap::forgetOldContacts(double now_s)
+{
+  const auto is_old = [&](const Contact& contact) {
+    return now_s < contact.time_s || now_s - contact.time_s > options_.contact_memory_s;
+  };
+  const auto end = std::remove_if(contacts_.begin(), contacts_.end(), is_old);
+  contacts_changed_ = contacts_changed_ || end != contacts_.end();
+  contacts_.erase(end, contacts_.end());
+}
+
 void LiveMap::forgetRevisions()
 {
-  if (!given_)
-    return;
-  map_ = given_->copy();
+  contacts_.clear();
+  if (given_)
+    map_ = given_->copy();
   project();
   map_.clearChanges();
+  contacts_changed_ = false;
 }
 
 bool LiveMap::revise()
 {
-  if (!map_.hasChanges())
+  if (!map_.hasChanges() && !contacts_changed_)
     return false;
   project();
   map_.clearChanges();
+  contacts_changed_ = false;
   return true;
 }
 

@@ -14,11 +14,19 @@ namespace
 
 constexpr std::size_t kMaxPending = 5;
 
+constexpr double kFarthest = 1e6;    // m, from the origin: beyond it numbers lose centimetres
+constexpr double kLostToSlip = 0.1;  // m of the way between two compared scans
+constexpr double kMostTurns = 1e6;   // rad
+
 void checkFinite(const char* what, double time_s, const Pose& pose)
 {
   if (!std::isfinite(time_s) || !std::isfinite(pose.x) || !std::isfinite(pose.y) ||
       !std::isfinite(pose.yaw))
     throw InvalidArgument(std::string(what) + ": time or pose are not finite");
+  if (std::abs(pose.x) > kFarthest || std::abs(pose.y) > kFarthest ||
+      std::abs(pose.yaw) > kMostTurns)
+    throw InvalidArgument(std::string(what) + ": the pose (" + std::to_string(pose.x) + ", " +
+                          std::to_string(pose.y) + ") is more than 1000 km away");
 }
 
 }  // namespace
@@ -43,6 +51,7 @@ OdometryResult Navigator::addOdometry(double time_s, const Pose& T_odom_base)
   {
     pending_.clear();
     obstacles_odom_.clear();
+    slip_detector_.reset();
     scan_time_s_.reset();
   }
   processScans();
@@ -113,7 +122,14 @@ std::optional<DriveInput> Navigator::driveInput(bool with_obstacles)
                     map_.planner(),
                     obstacles_base_,
                     std::exchange(map_changed_for_driver_, false),
-                    &map_.grid()};
+                    &map_.grid(),
+                    std::exchange(slipped_, false)};
+}
+
+void Navigator::addContact(Point p_map)
+{
+  map_.addContact(p_map, tracker_.poseTime());
+  reviseMap();
 }
 
 void Navigator::forgetRevisions()
@@ -170,7 +186,7 @@ void Navigator::processScans()
 
 void Navigator::processScan(const PendingScan& pending)
 {
-  const std::optional<Pose> pose =
+  std::optional<Pose> pose =
       tracker_.correct(pending.time_s, pending.scan, pending.mount.T_base_laser);
   if (!pose)
   {
@@ -178,6 +194,14 @@ void Navigator::processScan(const PendingScan& pending)
     return;
   }
   const Pose T_odom_base = inverse(tracker_.correction()) * *pose;
+  if (const std::optional<Slip> slip =
+          slip_detector_.add(pending.scan, pending.mount.T_base_laser, T_odom_base))
+  {
+    const double lost_m = distance(slip->told.position(), {}) - distance(slip->seen.position(), {});
+    slipped_ = slipped_ || lost_m > kLostToSlip;
+    tracker_.replaceMotion(*slip);
+    pose = tracker_.correction() * T_odom_base;
+  }
   obstacles_odom_ = hitPoints(pending.scan, T_odom_base * pending.mount.T_base_laser);
   scan_time_s_ = pending.time_s;
   PoseEstimate estimate = tracker_.estimate();
@@ -186,6 +210,7 @@ void Navigator::processScan(const PendingScan& pending)
 
   if (!tracker_.isConfident())
     return;
+  map_.forgetOldContacts(tracker_.poseTime());
   map_.insertScan(pending.scan, *pose * pending.mount.T_base_laser, pending.mount.height_m);
   if (revise_time_s_ && pending.time_s >= *revise_time_s_ &&
       pending.time_s - *revise_time_s_ < options_.revise_period_s)

@@ -68,23 +68,6 @@ std::string textOf(Point p)
   return text.data();
 }
 
-/// Calls visit(node) for every node whose centre is within `radius_m` of p.
-template <typename Visit>
-void forEachNear(const GridGeometry& geometry, Point p, double radius_m, Visit&& visit)
-{
-  const int last_column = geometry.column(p.x + radius_m);
-  const int last_row = geometry.row(p.y + radius_m);
-  for (int row = geometry.row(p.y - radius_m); row <= last_row; ++row)
-  {
-    for (int column = geometry.column(p.x - radius_m); column <= last_column; ++column)
-    {
-      const int node = row * geometry.width + column;
-      if (geometry.isInside(column, row) && distance(geometry.center(node), p) <= radius_m)
-        visit(node);
-    }
-  }
-}
-
 /// The grid without the obstacles that hits explain, in nodes of half the size.
 OccupancyGrid halved(OccupancyGrid grid, const std::vector<Point>& hits)
 {

@@ -107,6 +107,14 @@ std::optional<Pose> PoseTracker::correct(double time_s, const LaserScan& scan,
   return filter_->estimate().mean;
 }
 
+void PoseTracker::replaceMotion(const Slip& slip)
+{
+  if (!filter_ || !last_scan_odometry_)
+    return;
+  filter_->predict(inverse(slip.told) * slip.seen);
+  T_map_odom_ = filter_->estimate().mean * inverse(*last_scan_odometry_);
+}
+
 PoseEstimate PoseTracker::estimate() const
 {
   if (filter_)

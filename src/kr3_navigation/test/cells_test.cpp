@@ -42,6 +42,12 @@ TEST(SplitIntoCells, CoversThePlaceExactlyOnce)
   }
 }
 
+TEST(SplitIntoCells, RefusesCountsThatAreNone)
+{
+  for (const int count : {-1, 0, 2000000000})
+    EXPECT_THROW((void)splitIntoCells({0.0, 0.0, 4.0, 4.0}, count), InvalidArgument) << count;
+}
+
 TEST(SplitIntoCells, IsRowMajorAndSquarish)
 {
   const std::vector<Rectangle> room = splitIntoCells({0.0, 0.0, 4.0, 4.0}, 4);
@@ -120,6 +126,33 @@ TEST(CellMap, ACellWithoutFreeSpaceIsReportedAndUnreachable)
   EXPECT_TRUE(map.cells()[*map.find("right_c2")].reachable);
 }
 
+TEST(CellMap, SaysWhichPlacesAreNotInTheMapOrFull)
+{
+  SyntheticWorld world = SyntheticWorld::twoRooms();
+  world.boxes.push_back({0.0, 0.0, 2.0, 2.0});
+  world.boxes.push_back({4.0, 0.0, 8.0, 4.0});
+  const OccupancyGrid grid = world.grid(kTwoRoomsArea);
+  const PathPlanner planner(grid, PathPlannerOptions{});
+  std::vector<Place> places = kPlaces;
+  places.push_back({"attic", {20.0, 0.0, 24.0, 4.0}});
+  const CellMap map(places, CellOptions{}, planner);
+  const std::vector<std::string> lines = describeUnreachable(map, places, grid);
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_EQ(lines[0], "the cell left_c0 has no free point that the robot can reach");
+  EXPECT_EQ(lines[1], "the place right has no free point that the robot can reach");
+  EXPECT_NE(lines[2].find("the place attic, x 20.0"), std::string::npos) << lines[2];
+  EXPECT_NE(lines[2].find("is not in the map"), std::string::npos) << lines[2];
+
+  const std::vector<Place> elsewhere{places.back()};
+  const std::vector<std::string> none =
+      describeUnreachable(CellMap(elsewhere, CellOptions{}, planner), elsewhere, grid);
+  ASSERT_EQ(none.size(), 2U);
+  EXPECT_NE(none[1].find("no cell of the building can be reached"), std::string::npos) << none[1];
+  EXPECT_TRUE(
+      describeUnreachable(twoRoomsCells(), kPlaces, SyntheticWorld::twoRooms().grid(kTwoRoomsArea))
+          .empty());
+}
+
 TEST(CellMap, FindsTheCellOfAPoint)
 {
   const CellMap map = twoRoomsCells();
@@ -128,11 +161,6 @@ TEST(CellMap, FindsTheCellOfAPoint)
   EXPECT_EQ(map.cells()[map.cellAt({9.0, 3.0})].name, "right_c3");  // outside: the nearest
   EXPECT_FALSE(map.find("left_c9"));
   EXPECT_EQ(map.nearestName("rihgt_c3"), "right_c3");
-}
-
-TEST(CellMap, RefusesLessThanOneCell)
-{
-  EXPECT_THROW((void)splitIntoCells({0.0, 0.0, 1.0, 1.0}, 0), InvalidArgument);
 }
 
 }  // namespace

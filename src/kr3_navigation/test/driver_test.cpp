@@ -1,10 +1,11 @@
 #include "kr3_navigation/driver.hpp"
 
+#include <algorithm>
 #include <memory>
 
 #include <gtest/gtest.h>
 
-#include "kr3_navigation/occupancy_map.hpp"
+#include "kr3_navigation/live_map.hpp"
 #include "synthetic_world.hpp"
 
 namespace kr3::navigation
@@ -28,8 +29,12 @@ protected:
 
   void revise()
   {
-    planner_ =
-        std::make_unique<PathPlanner>(map_.project(0.2, 0.4, kTwoRoomsArea), PathPlannerOptions{});
+    OccupancyGrid grid = map_.project(0.2, 0.4, kTwoRoomsArea);
+    for (const Point& contact : contacts_)
+      forEachNear(grid.geometry, contact, LiveMapOptions{}.contact_radius_m, [&](int node) {
+        grid.nodes[static_cast<std::size_t>(node)] = Occupancy::kOccupied;
+      });
+    planner_ = std::make_unique<PathPlanner>(grid, PathPlannerOptions{});
   }
 
   /// Runs until the driver is done; returns the least distance to any box.
@@ -58,7 +63,9 @@ protected:
       const Velocity velocity = driver.step({time_, pose_, *planner_, obstacles_, changed});
       EXPECT_LE(std::abs(velocity.linear), 0.5 + 1e-9);
       EXPECT_LE(std::abs(velocity.angular), 1.2 + 1e-9);
-      pose_ = pose_ * Pose{velocity.linear * kPeriod, 0.0, velocity.angular * kPeriod};
+      move(velocity);
+      if (const std::optional<Point> contact = driver.takeContact())
+        contacts_.push_back(*contact);
       time_ += kPeriod;
       for (const Rectangle& box : world_.boxes)
         clearance = std::min(clearance, box.distanceTo(pose_.position()));
@@ -66,7 +73,21 @@ protected:
     return clearance;
   }
 
+  /// Unseen boxes stop the robot.
+  void move(const Velocity& velocity)
+  {
+    constexpr double kFront = 0.2;  // m
+    const Pose next = pose_ * Pose{velocity.linear * kPeriod, 0.0, velocity.angular * kPeriod};
+    const bool stopped = std::any_of(unseen_.begin(), unseen_.end(), [&](const Rectangle& box) {
+      return box.distanceTo(next.position()) < kFront &&
+             box.distanceTo(next.position()) < box.distanceTo(pose_.position());
+    });
+    pose_ = stopped ? Pose{pose_.x, pose_.y, next.yaw} : next;
+  }
+
   static constexpr double kPeriod = 0.05;
+  std::vector<Rectangle> unseen_;
+  std::vector<Point> contacts_;
   SyntheticWorld world_ = SyntheticWorld::twoRooms();
   std::mt19937_64 random_{1};
   OccupancyMap map_;
@@ -96,6 +117,38 @@ TEST_F(DriveTest, GoesAroundAnObstacleThatAppears)
   const double clearance = run(driver, 90.0, 7.0, {5.2, 1.7, 5.5, 2.3});
   EXPECT_EQ(driver.phase(), DrivePhase::kArrived) << driver.reason();
   EXPECT_GT(clearance, 0.2);
+}
+
+TEST_F(DriveTest, GoesRoundWhatItTouchesWithoutSeeing)
+{
+  unseen_ = {{5.2, 1.6, 5.5, 2.4}};
+  Driver driver{DriverOptions{}};
+  driver.start({{6.8, 2.0}, std::nullopt});
+  run(driver, 120.0);
+  EXPECT_EQ(driver.phase(), DrivePhase::kArrived) << driver.reason();
+  ASSERT_GE(contacts_.size(), 1U);
+  EXPECT_LE(contacts_.size(), 4U);
+  for (const Point& contact : contacts_)
+    EXPECT_LT(unseen_[0].distanceTo(contact), 0.25) << contact.x << ", " << contact.y;
+}
+
+TEST_F(DriveTest, TouchesNothingWhereTheWayIsFree)
+{
+  Driver driver{DriverOptions{}};
+  driver.start({{6.5, 1.0}, -1.0});
+  run(driver, 60.0);
+  EXPECT_EQ(driver.phase(), DrivePhase::kArrived) << driver.reason();
+  EXPECT_TRUE(contacts_.empty());
+}
+
+TEST_F(DriveTest, GivesUpBeforeAnUnseenWallAndSaysWhy)
+{
+  unseen_ = {{4.8, 0.0, 5.0, 4.0}};
+  Driver driver{DriverOptions{}};
+  driver.start({{6.8, 2.0}, std::nullopt});
+  run(driver, 300.0);
+  EXPECT_EQ(driver.phase(), DrivePhase::kUnreachable);
+  EXPECT_FALSE(driver.reason().empty());
 }
 
 TEST_F(DriveTest, GivesUpWhenTheDoorIsShutAndSaysWhy)

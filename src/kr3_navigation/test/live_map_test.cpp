@@ -62,5 +62,36 @@ TEST_F(LiveMapTest, ForgetsRevisionsOfAGivenMapOnly)
   EXPECT_FALSE(built.planner().isFree(Point{4.0, 2.0}));
 }
 
+TEST_F(LiveMapTest, AContactStaysThoughBeamsPassOverItUntilItIsOld)
+{
+  const Pose pose{3.0, 2.0, 0.0};
+  const Point touched{6.0, 2.05};
+  LiveMap map(build().map().copy(), true, kTwoRoomsArea, LiveMapOptions{});
+  ASSERT_TRUE(map.planner().isFree(touched));
+  map.addContact(touched, 10.0);
+  map.addContact({1e6, 1e300}, 10.0);
+  EXPECT_TRUE(map.revise());
+  EXPECT_FALSE(map.revise());
+  EXPECT_FALSE(map.planner().isFree(touched));
+  EXPECT_TRUE(map.planner().plan(pose.position(), {7.2, 2.0}).found());
+  EXPECT_FALSE(map.planner().isSegmentFree({5.0, 2.0}, {7.0, 2.0}));
+  for (int i = 0; i < 50; ++i)
+    map.insertScan(world_.scan(pose, random_), pose, 0.3);
+  map.forgetOldContacts(60.0);
+  (void)map.revise();
+  EXPECT_FALSE(map.planner().isFree(touched));
+  map.forgetOldContacts(10.0 + 1.1 * LiveMapOptions{}.contact_memory_s);
+  EXPECT_TRUE(map.revise());
+  EXPECT_TRUE(map.planner().isFree(touched));
+
+  map.addContact(touched, 1000.0);
+  map.forgetOldContacts(2.0);  // the clock started again
+  (void)map.revise();
+  EXPECT_TRUE(map.planner().isFree(touched));
+  map.addContact(touched, 10.0);
+  map.forgetRevisions();
+  EXPECT_TRUE(map.planner().isFree(touched));
+}
+
 }  // namespace
 }  // namespace kr3::navigation

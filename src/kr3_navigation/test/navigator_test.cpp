@@ -83,6 +83,9 @@ TEST_F(NavigatorTest, RefusesWhatIsNotFinite)
 {
   EXPECT_THROW(navigator_.addOdometry(kNan, {}), InvalidArgument);
   EXPECT_THROW(navigator_.addOdometry(1.0, {kNan, 0.0, 0.0}), InvalidArgument);
+  EXPECT_THROW(navigator_.addOdometry(1.0, {1e300, 0.0, 0.0}), InvalidArgument);
+  EXPECT_THROW(navigator_.addOdometry(1.0, {0.0, 0.0, -1e300}), InvalidArgument);
+  EXPECT_THROW(navigator_.addScan(1.0, scan(), {{1e300, 0.0, 0.0}, 0.3}), InvalidArgument);
   EXPECT_THROW(navigator_.addKnownPose(1.0, {0.0, kInf, 0.0}), InvalidArgument);
   EXPECT_THROW(navigator_.addScan(kInf, scan(), kMount), InvalidArgument);
   EXPECT_THROW(navigator_.reset({0.0, 0.0, kNan}, PoseSpread{}), InvalidArgument);
@@ -142,6 +145,26 @@ TEST_F(NavigatorTest, IgnoresLateOdometryAndStartsAgainWhenTheClockDoes)
   stand(2.1, 3.0);
   EXPECT_TRUE(navigator_.driveInput(true));
   EXPECT_LT(distance(navigator_.tracker().pose().position(), kStart.position()), 0.08);
+}
+
+TEST_F(NavigatorTest, DoesNotFollowWheelsThatSlip)
+{
+  stand(1.0, 2.0);
+  Pose odometry;
+  int slips = 0;
+  for (int tick = 100; tick < 250; ++tick)  // 1.5 m by the wheels
+  {
+    odometry = odometry * Pose{0.01, 0.0, 0.0};
+    navigator_.addOdometry(tick / 50.0, odometry);
+    if (tick % 5 == 0)
+      navigator_.addScan(tick / 50.0, scan(), kMount);
+    const std::optional<DriveInput> input = navigator_.driveInput(true);
+    ASSERT_TRUE(input);
+    slips += input->slipped ? 1 : 0;
+    EXPECT_LT(distance(input->pose.position(), kStart.position()), 0.35) << tick;
+  }
+  EXPECT_GE(slips, 4);
+  EXPECT_LT(distance(navigator_.tracker().pose().position(), kStart.position()), 0.3);
 }
 
 TEST_F(NavigatorTest, DropsScansThatNeverGetTheirOdometry)

@@ -201,5 +201,19 @@ TEST(PathPlanner, UnknownSpaceIsBlockedUnlessAMapIsBuilt)
   EXPECT_TRUE(PathPlanner(grid, options).plan({2.0, 2.0}, {6.0, 2.0}).found());
 }
 
+TEST(PathPlanner, KnowsThatFarPointsAreOutside)
+{
+  const PathPlanner planner(SyntheticWorld::twoRooms().grid(kTwoRoomsArea), PathPlannerOptions{});
+  for (const double far : {1e6, 1e12, 1e300, -1e300, std::numeric_limits<double>::infinity(),
+                           std::numeric_limits<double>::quiet_NaN()})
+  {
+    EXPECT_FALSE(planner.isFree(Point{far, 1.0})) << far;
+    EXPECT_EQ(planner.clearance({1.0, far}), 0.0) << far;
+    const PlannedPath path = planner.plan({2.0, 2.0}, {far, 2.0});
+    EXPECT_FALSE(path.found()) << far;
+    EXPECT_NE(path.reason.find("outside the map"), std::string::npos) << path.reason;
+  }
+}
+
 }  // namespace
 }  // namespace kr3::navigation

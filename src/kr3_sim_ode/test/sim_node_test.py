@@ -137,10 +137,18 @@ class SimNodeTest(unittest.TestCase):
 
     def test_ignores_commands_that_are_no_numbers(self):
         self.set_pose("robot", 1.0, 2.0, 0.0)
-        command = Twist()
-        command.linear.x = float("nan")
-        self.drive(command, 0.5)
-        self.assertAlmostEqual(self.pose.next().pose.pose.position.x, 1.0, delta=0.05)
+        for linear, angular in (
+            (math.nan, 0.0),
+            (math.inf, 0.0),
+            (0.2, math.nan),
+            (0.2, -math.inf),
+        ):
+            command = Twist()
+            command.linear.x, command.angular.z = linear, angular
+            self.drive(command, 0.3)
+            pose = self.pose.next().pose.pose
+            self.assertAlmostEqual(pose.position.x, 1.0, delta=0.05)
+            self.assertAlmostEqual(pose.orientation.z, 0.0, delta=0.02)
 
     def test_grasps_carries_and_puts_down(self):
         self.call("simulation/reset", Trigger)

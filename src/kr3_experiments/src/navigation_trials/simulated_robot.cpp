@@ -164,6 +164,8 @@ void SimulatedRobot::tick()
       if (input->map_changed && !input->planner.isInMainRegion(driver_.goal().position))
         driver_.redirect({presentStand(*target_, cell_options_, input->planner), std::nullopt});
       command = driver_.step(*input);
+      if (const std::optional<navigation::Point> contact = driver_.takeContact())
+        navigator_.addContact(*contact);
       if (driver_.takeFreshMapRequest())
         navigator_.forgetRevisions();
     }

@@ -59,6 +59,7 @@ private:
 
 /// Rectangles of about `count` equal cells of a place, row-major: 2 x 2 for 4 cells of a squarish
 /// room, a row of 4 along a corridor.
+/// @throws InvalidArgument  fewer than 1 or more than 1000 cells
 [[nodiscard]] std::vector<Rectangle> splitIntoCells(const Rectangle& place, int count);
 
 /// Where the robot can stand in a cell: the free point of the main region nearest to the centre,
@@ -70,5 +71,13 @@ private:
 /// may stand there today; the stand point again when there is none.
 [[nodiscard]] Point presentStand(const Cell& cell, const CellOptions& options,
                                  const PathPlanner& planner);
+
+/// What a person should know about cells in which the robot cannot stand, a sentence each: places
+/// that the map does not show, places without any such cell, single cells; and whether no cell is
+/// left at all.
+/// @param places  those that the cells are of
+[[nodiscard]] std::vector<std::string> describeUnreachable(const CellMap& map,
+                                                           const std::vector<Place>& places,
+                                                           const OccupancyGrid& grid);
 
 }  // namespace kr3::navigation

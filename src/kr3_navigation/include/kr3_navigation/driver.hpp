@@ -18,9 +18,10 @@ struct DriverOptions
   double side_margin_m = 0.02;         ///< to what it passes: noise of the laser, and of the wheels
   double position_tolerance_m = 0.06;  ///< of the pose estimate; at most 0.12
   double yaw_tolerance_rad = 0.05;
-  double blocked_wait_s = 1.0;  ///< before it looks for another way
-  double stall_time_s = 8.0;    ///< without getting nearer before it looks for another way
-  int max_replans = 8;          ///< without getting nearer before it gives up
+  double blocked_wait_s = 1.0;   ///< before it looks for another way
+  double stall_time_s = 8.0;     ///< without getting nearer before it looks for another way
+  double contact_reach_m = 0.1;  ///< beyond the robot's disc, where it takes what it touched to be
+  int max_replans = 8;           ///< without getting nearer before it gives up
 };
 
 struct DriveGoal
@@ -34,8 +35,9 @@ enum class DrivePhase
   kIdle,
   kPlanning,
   kDriving,
-  kTurning,  ///< at the place, to the goal's heading
-  kBlocked,  ///< waits for an obstacle to leave
+  kTurning,     ///< at the place, to the goal's heading
+  kBlocked,     ///< waits for an obstacle to leave
+  kBackingOff,  ///< from something that it touched without having seen it
   kArrived,
   kUnreachable,
 };
@@ -52,10 +54,13 @@ struct DriveInput
   bool map_changed;    ///< since the last step
   /// The map that `planner` plans in, for a closer look at narrow gaps; nullptr: no closer look.
   const OccupancyGrid* grid = nullptr;
+  bool slipped = false;  ///< the wheels turned and the robot did not move, since the last step
 };
 
 /// Takes the robot to a goal: plans, follows, stops for obstacles, plans again; where the map's
-/// nodes are too coarse to tell whether it fits through, by what the laser sees there now. One goal
+/// nodes are too coarse to tell whether it fits through, by what the laser sees there now. When the
+/// wheels push and the robot does not move, it has touched what the laser does not see: it tells
+/// the point, backs off and plans again. One goal
 /// at a time; a new one replaces the old. Decisions depend on the inputs only, never on a clock.
 /// Not thread-safe.
 class Driver
@@ -75,6 +80,10 @@ public:
   /// Whether, since the last call, no path was found from the start: obstacles remembered from
   /// earlier should be forgotten before it tries once more.
   [[nodiscard]] bool takeFreshMapRequest();
+
+  /// Where the robot touched something since the last call, map frame: just ahead of its disc. The
+  /// caller marks it in the map, so that the next plan leads round it.
+  [[nodiscard]] std::optional<Point> takeContact();
 
   [[nodiscard]] DrivePhase phase() const { return phase_; }
   [[nodiscard]] bool isActive() const
@@ -100,6 +109,9 @@ private:
   void giveUp(const std::string& reason);
   [[nodiscard]] Velocity drive(const DriveInput& input);
   [[nodiscard]] Velocity turn(const DriveInput& input) const;
+  [[nodiscard]] Velocity backOff(const DriveInput& input);
+  /// Whether the robot hardly moved while its wheels were told to drive forward.
+  [[nodiscard]] bool isStuck(const DriveInput& input, double period_s);
   void noteProgress(const DriveInput& input, double remaining_m);
   void arrive();
 
@@ -119,6 +131,11 @@ private:
   int replans_ = 0;
   int num_plans_ = 0;
   bool wants_fresh_map_ = false;
+  std::optional<Point> contact_;
+  Point moved_from_;          ///< where the robot was when commanded_m_ was zero
+  double commanded_m_ = 0.0;  ///< forward, since then
+  Point touched_at_;          ///< where the robot was when it began to back off
+  double touched_time_s_ = 0.0;
 };
 
 }  // namespace kr3::navigation

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "kr3_navigation/occupancy_map.hpp"
 #include "kr3_navigation/path_planner.hpp"
@@ -16,6 +17,8 @@ struct LiveMapOptions
   double mapping_range_m = 8.0;   ///< of scans that build a new one
   /// Of a given map as it is revised and planned in; localisation refers to the finer original.
   double planning_resolution_m = 0.1;
+  double contact_radius_m = 0.1;    ///< of the mark where the robot touched something
+  double contact_memory_s = 600.0;  ///< after which such a mark is forgotten
   PathPlannerOptions planner;
 };
 
@@ -34,13 +37,20 @@ public:
   /// Takes a scan into account, unless it was taken farther from the area than a scan reaches.
   void insertScan(const LaserScan& scan, const Pose& T_map_laser, double height_m);
 
+  /// Marks where the robot touched something that the laser does not see: occupied in grid and
+  /// planner until it is forgotten, though beams pass over it. Ignored outside of the area.
+  void addContact(Point p_map, double time_s);
+  /// Forgets contacts that are too old; all of them when `now_s` is before one of them, because
+  /// the clock started again.
+  void forgetOldContacts(double now_s);
+
   /// Brings grid and planner up to date.
   /// @return whether anything changed since the last call
   /// Cost: a few ms for 40 000 nodes when something changed.
   bool revise();
 
-  /// Returns to the given map; scans then show anew what is different. Nothing happens while a map
-  /// is built.
+  /// Returns to the given map, without contacts; scans then show anew what is different. While a
+  /// map is built, contacts only are forgotten.
   void forgetRevisions();
 
   [[nodiscard]] const OccupancyMap& map() const { return map_; }
@@ -54,6 +64,12 @@ public:
   [[nodiscard]] const DistanceField& reference() const { return *reference_; }
 
 private:
+  struct Contact
+  {
+    Point p_map;
+    double time_s;
+  };
+
   void project();
 
   LiveMapOptions options_;
@@ -63,6 +79,8 @@ private:
   OccupancyGrid grid_;
   std::optional<PathPlanner> planner_;
   std::optional<DistanceField> reference_;
+  std::vector<Contact> contacts_;
+  bool contacts_changed_ = false;
 };
 
 }  // namespace kr3::navigation

@@ -9,6 +9,7 @@
 #include "kr3_navigation/live_map.hpp"
 #include "kr3_navigation/places.hpp"
 #include "kr3_navigation/pose_tracker.hpp"
+#include "kr3_navigation/slip_detector.hpp"
 
 namespace kr3::navigation
 {
@@ -40,11 +41,11 @@ public:
   Navigator(LiveMap map, PoseTracker tracker, const NavigatorOptions& options);
 
   /// Moves the clock, and processes the scans that waited for odometry of their moment.
-  /// @throws InvalidArgument  time or pose are not finite
+  /// @throws InvalidArgument  time or pose are not finite, or more than 1000 km away
   OdometryResult addOdometry(double time_s, const Pose& T_odom_base);
 
   /// The true pose, for a tracker that does not localise.
-  /// @throws InvalidArgument  time or pose are not finite
+  /// @throws InvalidArgument  time or pose are not finite, or more than 1000 km away
   void addKnownPose(double time_s, const Pose& T_map_base);
 
   /// A scan waits until odometry of its moment has arrived; of more than five that wait the oldest
@@ -64,6 +65,8 @@ public:
   /// @param with_obstacles  false leaves the obstacles out, for a driver that stands
   [[nodiscard]] std::optional<DriveInput> driveInput(bool with_obstacles);
 
+  /// The robot touched something there that it did not see: see LiveMap::addContact().
+  void addContact(Point p_map);
   /// See LiveMap::forgetRevisions().
   void forgetRevisions();
   /// Brings grid and planner up to date now.
@@ -101,6 +104,8 @@ private:
   NavigatorOptions options_;
   LiveMap map_;
   PoseTracker tracker_;
+  SlipDetector slip_detector_;
+  bool slipped_ = false;  ///< since the driver asked last
   std::deque<PendingScan> pending_;
   std::vector<StampedEstimate> estimates_;
   std::vector<Point> obstacles_odom_;  ///< hits of the latest scan

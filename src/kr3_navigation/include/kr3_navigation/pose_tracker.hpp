@@ -4,6 +4,7 @@
 
 #include "kr3_navigation/particle_filter.hpp"
 #include "kr3_navigation/pose_history.hpp"
+#include "kr3_navigation/slip_detector.hpp"
 
 namespace kr3::navigation
 {
@@ -49,6 +50,10 @@ public:
   /// than what is
   ///         remembered
   std::optional<Pose> correct(double time_s, const LaserScan& scan, const Pose& T_base_laser);
+
+  /// Puts the motion that took place in the place of the one that odometry told before the last
+  /// correct(). With known poses there is nothing to replace.
+  void replaceMotion(const Slip& slip);
 
   [[nodiscard]] bool hasPose() const { return !odometry_.empty() && T_map_odom_.has_value(); }
   /// At the time of the latest odometry. Only with hasPose().

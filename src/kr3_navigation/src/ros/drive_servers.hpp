@@ -45,6 +45,8 @@ public:
 
   /// See Driver::takeFreshMapRequest().
   [[nodiscard]] bool takeFreshMapRequest() { return driver_.takeFreshMapRequest(); }
+  /// See Driver::takeContact().
+  [[nodiscard]] std::optional<Point> takeContact() { return driver_.takeContact(); }
   [[nodiscard]] const Driver& driver() const { return driver_; }
 
 private:

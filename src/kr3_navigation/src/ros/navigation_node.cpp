@@ -281,6 +281,12 @@ void NavigationNode::control()
   if (const std::optional<DriveInput> input = navigator_.driveInput(servers_->driver().isActive()))
   {
     servers_->tick(*input);
+    if (const std::optional<Point> contact = servers_->takeContact())
+    {
+      ROS_WARN("touched something unseen near (%.2f, %.2f): marked in the map", contact->x,
+               contact->y);
+      navigator_.addContact(*contact);
+    }
     if (servers_->takeFreshMapRequest())
     {
       ROS_INFO("no path: obstacles seen earlier are forgotten, and looked for again");
@@ -329,11 +335,8 @@ void NavigationNode::publishMap(double time_s)
 void NavigationNode::makeCells(const PathPlanner& planner)
 {
   cells_.emplace(places_, config_.cells, planner);
-  for (const Cell& cell : cells_->cells())
-  {
-    if (!cell.reachable)
-      ROS_WARN("the cell %s has no free point that the robot can reach", cell.name.c_str());
-  }
+  for (const std::string& line : describeUnreachable(*cells_, places_, navigator_.map().grid()))
+    ROS_WARN("%s", line.c_str());
   const std_msgs::Header header = mapHeader(publish_time_s_.value_or(0.0));
   cells_publisher_.publish(toMsg(*cells_, header));
   markers_publisher_.publish(toMarkers(*cells_, header));

@@ -59,7 +59,8 @@ void readMap(ParamReader& params, NavigationNodeConfig& config)
   params.check(config.live_map.z_min_m < config.live_map.z_max_m, "map_z_max",
                "must be greater than map_z_min");
   config.cells.cells_per_room = params.get("cells_per_room", config.cells.cells_per_room);
-  params.check(config.cells.cells_per_room >= 1, "cells_per_room", "must be at least 1");
+  params.check(config.cells.cells_per_room >= 1 && config.cells.cells_per_room <= 1000,
+               "cells_per_room", "must be from 1 to 1000");
 }
 
 void readDriving(ParamReader& params, NavigationNodeConfig& config)
@@ -92,7 +93,9 @@ NavigationNodeConfig loadNavigationNodeConfig(const ros::NodeHandle& private_nh)
   readDriving(params, config);
   config.particle_filter.num_particles =
       params.get("num_particles", config.particle_filter.num_particles);
-  params.check(config.particle_filter.num_particles >= 1, "num_particles", "must be at least 1");
+  params.check(
+      config.particle_filter.num_particles >= 1 && config.particle_filter.num_particles <= 1000000,
+      "num_particles", "must be from 1 to 1000000");
   config.seed = params.get("seed", config.seed);
   params.check(config.seed >= 0, "seed", "must not be negative");
   config.map_frame = params.get("map_frame", config.map_frame);
