@@ -150,16 +150,25 @@ class Bench:
                 weighted = (answer["errors"][key] * answer["errors"]["scans"] for answer in answers)
                 return sum(weighted) / scans
 
-            share = sum(answer["succeeded"] for answer in answers) / params["drives"]
+            succeeded = sum(answer["succeeded"] for answer in answers)
+            refused = sum(answer["rightly_refused"] for answer in answers)
             more = {"params": params}
+            # Without contact: arrived, or refused with a reason where every way is too narrow.
             self.add(
-                f"drives without contact{condition}",
-                share,
+                f"drives as they should be{condition}",
+                succeeded / params["drives"],
                 "share",
                 goal=1.0,
                 better="higher",
                 **more,
             )
+            self.add(
+                f"drives that arrived{condition}",
+                (succeeded - refused) / params["drives"],
+                "share",
+                **more,
+            )
+            self.add(f"drives rightly refused{condition}", refused, "", **more)
             contacts = sum(answer["contacts"] for answer in answers)
             self.add(f"contacts{condition}", contacts, "", goal=0, **more)
             self.add(f"pose error, mean{condition}", 100 * mean("mean_m"), "cm", goal=2.0, **more)
