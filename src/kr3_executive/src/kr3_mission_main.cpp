@@ -153,7 +153,10 @@ std::vector<TrialResult> runTrials(const Options& options, AbstractMissions& mis
         const std::uint64_t seed = options.seed + trial;
         std::vector<std::string> truths = options.truths;
         if (options.target_at == "random")
-          truths = drawnTruths(own, goal, seed);
+        {
+          const std::vector<std::string> drawn = drawnTruths(own, goal, seed);
+          truths.insert(truths.end(), drawn.begin(), drawn.end());
+        }
         else if (!options.target_at.empty())
           truths.push_back(own.targetFluent(goal) + " = " + options.target_at);
         results[trial] = own.run(goal, truths, seed, printer);

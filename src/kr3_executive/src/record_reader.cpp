@@ -1,5 +1,6 @@
 #include "record_reader.hpp"
 
+#include <cmath>
 #include <map>
 
 #include <kr3_common/error.hpp>
@@ -9,6 +10,11 @@ namespace kr3::executive
 
 using reasoner::Record;
 using reasoner::RecordKind;
+
+namespace
+{
+constexpr double kLastStep = 1e6;
+}  // namespace
 
 Record readRecord(YamlReader& reader, const YAML::Node& node,
                   const reasoner::Description& high_level)
@@ -22,7 +28,11 @@ Record readRecord(YamlReader& reader, const YAML::Node& node,
   record.source = "scenario";
   record.statement = reader.text(node, "statement");
   record.value = reader.truth(node, "value", true);
-  record.step = static_cast<int>(reader.number(node, "step", 0.0));
+  const double step = reader.number(node, "step", 0.0);
+  if (step >= 0.0 && step <= kLastStep && std::floor(step) == step)
+    record.step = static_cast<int>(step);
+  else
+    reader.problem(node, "'step' is " + std::to_string(step) + ", expected a whole number from 0");
   record.confidence = reader.number(node, "confidence", 1.0);
   const std::string kind = reader.text(node, "kind");
   const auto known = kKinds.find(kind);

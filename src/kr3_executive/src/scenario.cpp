@@ -15,6 +15,7 @@ Scenario parseScenario(const std::string& text, const std::string& file,
 {
   YamlReader reader(text, file);
   Scenario scenario;
+  reader.checkKeys(reader.root(), {"initial_records", "goal", "target", "placements"});
   scenario.goal = reader.optionalText(reader.root(), "goal");
   if (reader.root()["target"])
     scenario.target = reader.optionalText(reader.root()["target"], "object");

@@ -105,6 +105,12 @@ void run(const experiments::TrialJob& job, Laboratory& laboratory)
     setup.limits = job.limits;
     PolicyNotes notes;
     const executive::TrialResult result = missions.run(setup, notes);
+    const ErrorCode code = result.mission.code;
+    if (code == ErrorCode::kInvalidArgument || code == ErrorCode::kInternal)
+    {
+      throw InvalidArgument("the trial with seed " + std::to_string(trial.seed) +
+                            " was refused, which is no mission lost: " + result.mission.reason);
+    }
     std::cout << experiments::rowOf(job, trial, result, notes.policies, notes.backups) << '\n';
   }
   const executive::PolicyCacheStats after = missions.policyStats();

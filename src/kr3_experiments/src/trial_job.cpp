@@ -43,6 +43,23 @@ double shareOf(const json& value, const std::string& key)
   return share;
 }
 
+double positiveOf(const json& value, const std::string& key)
+{
+  const auto number = valueOf<double>(value, key);
+  if (!(number > 0.0))
+    throw InvalidArgument("'" + key + "': found " + value.dump() + ", expected a number above 0");
+  return number;
+}
+
+/// What is believed above it counts as known, so it is above the belief in the contrary.
+double thresholdOf(const json& value)
+{
+  const auto number = valueOf<double>(value, "threshold");
+  if (!(number > 0.5 && number < 1.0))
+    throw InvalidArgument("'threshold': found " + value.dump() + ", expected a number in (0.5, 1)");
+  return number;
+}
+
 using Setter = std::function<void(TrialJob&, const json&)>;
 
 const std::map<std::string, Setter>& setters()
@@ -75,7 +92,7 @@ const std::map<std::string, Setter>& setters()
        }},
       {"precision",
        [](TrialJob& job, const json& v) {
-    job.config.driver.budget.precision = valueOf<double>(v, "precision");
+    job.config.driver.budget.precision = positiveOf(v, "precision");
        }},
       {"max_backups",
        [](TrialJob& job, const json& v) {
@@ -90,7 +107,7 @@ const std::map<std::string, Setter>& setters()
        }},
       {"flat_precision",
        [](TrialJob& job, const json& v) {
-    job.config.baseline.budget.precision = valueOf<double>(v, "flat_precision");
+    job.config.baseline.budget.precision = positiveOf(v, "flat_precision");
        }},
       {"flat_backups",
        [](TrialJob& job, const json& v) {
@@ -108,8 +125,7 @@ const std::map<std::string, Setter>& setters()
        [](TrialJob& job, const json& v) {
     job.limits.max_ll_actions = countOf<std::uint32_t>(v, "max_ll_actions");
        }},
-      {"threshold",
-       [](TrialJob& job, const json& v) { job.limits.threshold = shareOf(v, "threshold"); }},
+      {"threshold", [](TrialJob& job, const json& v) { job.limits.threshold = thresholdOf(v); }},
       };
   return kSetters;
 }

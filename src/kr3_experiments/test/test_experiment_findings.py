@@ -266,15 +266,19 @@ def test_what_a_lost_mission_left_is_kept(
     assert kept.read_text(encoding="utf-8") == "kr3: the robot stands\n"
 
 
-def test_a_stack_that_does_not_come_up_is_started_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("codes", [[3, 1], [3, 3, 3]])
+def test_a_stack_that_does_not_come_up_is_started_again_and_no_method_blamed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, codes: List[int]
 ) -> None:
     """Only the number of starts is looked at; the mission is played."""
-    codes = [StartError.exit_code, 1]
 
     def mission(command: List[str], **_: Any) -> Any:
         return subprocess.CompletedProcess(command, codes.pop(0))
 
     monkeypatch.setattr(subprocess, "run", mission)
-    robot._mission(Robot().settings()[0], 7, "commit", tmp_path)
+    if codes[-1] == StartError.exit_code:
+        with pytest.raises(StartError, match="did not come up in 3 tries"):
+            robot._mission(Robot().settings()[0], 7, "commit", tmp_path)
+    else:
+        assert not robot._mission(Robot().settings()[0], 7, "commit", tmp_path)["success"]
     assert codes == []

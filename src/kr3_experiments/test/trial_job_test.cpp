@@ -42,6 +42,19 @@ TEST(TrialJob, SaysEverythingThatARowDependsOn)
   EXPECT_THAT(job.trials[0].truths, ElementsAre("f = 1"));
 }
 
+TEST(TrialJob, RefusesNumbersThatNoSolverEndsWith)
+{
+  const auto problem = [](const std::string& entry) {
+    return problemOf(R"({"job": "1", "domain": "d", "trials": [{"seed": 1}], )" + entry + "}");
+  };
+  EXPECT_THAT(problem(R"("precision": 0)"),
+              HasSubstr("'precision': found 0, expected a number above 0"));
+  EXPECT_THAT(problem(R"("flat_precision": -1)"), HasSubstr("expected a number above 0"));
+  EXPECT_THAT(problem(R"("threshold": 0.3)"),
+              HasSubstr("'threshold': found 0.3, expected a number in (0.5, 1)"));
+  EXPECT_EQ(problem(R"("threshold": 0.9, "precision": 0.5)"), "none");
+}
+
 TEST(TrialJob, SolversHaveCountedWorkOnly)
 {
   const TrialJob job = readTrialJob(R"({"job": "1", "domain": "d", "trials": [{"seed": 1}]})");

@@ -142,7 +142,10 @@ class Robot:
                 ]
                 try:
                     for mission in as_completed(under_way):
-                        store.add([mission.result()])
+                        try:
+                            store.add([mission.result()])
+                        except StartError as error:  # no row: the same command tries again
+                            print(f"  a mission is missing: {error}")
                         bar.update()
                 finally:
                     for mission in under_way:
@@ -302,7 +305,10 @@ def _figure(rows: Sequence[Row], first: str, second: str) -> Dict[str, Figure]:
 
 
 def _mission(setting: _Setting, seed: int, head: str, lost: Path) -> Row:
-    """One mission as `./kr3 demo` runs it; of one that fails report, events and logs are kept below `lost`."""
+    """One mission as `./kr3 demo` runs it; of one that fails report, events and logs are kept below `lost`.
+
+    @throws StartError  the stack did not come up; Kr3Error  a signal ended the mission
+    """
     row: Row = {
         "building": setting.domain.name,
         "method": setting.method,
@@ -324,6 +330,9 @@ def _mission(setting: _Setting, seed: int, head: str, lost: Path) -> Row:
                 done = subprocess.run(command, stdout=output, stderr=subprocess.STDOUT, check=False)
             if done.returncode != StartError.exit_code:
                 break
+        if done.returncode == StartError.exit_code:
+            said = (folder / "output.txt").read_text(encoding="utf-8").strip()
+            raise StartError(f"the stack did not come up in {_MOST_STARTS} tries: {said[-2000:]}")
         if done.returncode < 0 or done.returncode >= 128:
             raise Kr3Error("a mission was ended by a signal")
         summary = _summary(folder / "summary.json")
