@@ -138,43 +138,6 @@ bool CoarsePlan::dependsOnHidden(StateId state, std::size_t action)
   });
 }
 
-double CoarsePlan::meanCost(StateId state, std::size_t action) const
-{
-  const auto& ground = space_.actions()[action];
-  const auto& model = models_.actions.at(ground.symbol);
-  const auto argumentOf = [&](const std::string& name) {
-    const auto at = std::find(model.parameters.begin(), model.parameters.end(), name);
-    return at == model.parameters.end()
-               ? name
-               : ground.arguments[static_cast<std::size_t>(at - model.parameters.begin())];
-  };
-  const auto& cost = model.costOf(ground.arguments);
-  double cost_s = cost.base_s;
-  if (!cost.from || cost.to.empty())
-    return cost_s;
-  reasoner::Atom from = *cost.from;
-  for (auto& term : from.arguments)
-    term = {false, argumentOf(term.name)};
-  const auto fluent = space_.findFluent(reasoner::toString(from));
-  if (!fluent)
-    return cost_s;
-  double total_m = 0.0;
-  std::size_t pairs = 0;
-  for (const auto& a : domain_.components(space_.value(state, *fluent)))
-  {
-    for (const auto& b : domain_.components(argumentOf(cost.to)))
-    {
-      const auto start = domain_.map().find(a);
-      const auto end = domain_.map().find(b);
-      if (!start || !end)
-        continue;
-      total_m += domain_.map().distance(*start, *end);
-      ++pairs;
-    }
-  }
-  return cost_s + (pairs == 0 ? 0.0 : cost.per_metre_s * total_m / static_cast<double>(pairs));
-}
-
 std::vector<reasoner::Literal> CoarsePlan::literals(StateId state) const
 {
   std::vector<reasoner::Literal> result;
@@ -235,21 +198,17 @@ const OptionModel& CoarsePlan::option(StateId state, std::size_t action)
   return model;
 }
 
-OptionModel CoarsePlan::optionWhereHidden(StateId state, std::size_t action)
+std::optional<StateId> CoarsePlan::supposedFor(StateId state, std::size_t action)
 {
   if (space_.executable(state, action))
-    return option(state, action);
+    return state;
   for (const StateId other : start_)
   {
     const auto supposed = combined(state, other);
     if (supposed && space_.executable(*supposed, action))
-      return option(*supposed, action);
+      return supposed;
   }
-  OptionModel impossible;
-  const auto& model = models_.actions.at(space_.actions()[action].symbol);
-  impossible.success =
-      impossible.failure = {model.costOf(space_.actions()[action].arguments).impossible_s, 1.0};
-  return impossible;
+  return std::nullopt;
 }
 
 std::optional<StateId> CoarsePlan::resultOf(StateId state, std::size_t action)
@@ -258,8 +217,7 @@ std::optional<StateId> CoarsePlan::resultOf(StateId state, std::size_t action)
   return step ? std::optional(step->next) : std::nullopt;
 }
 
-void CoarsePlan::simulate(StateId state, std::size_t action, double probability,
-                          const std::optional<LowerObjective>& objective, OptionModel& model)
+refinement::InitialKnowledge CoarsePlan::knowledgeAt(StateId state, double probability) const
 {
   refinement::InitialKnowledge knowledge;
   for (const std::size_t fluent : hidden_)
@@ -270,6 +228,13 @@ void CoarsePlan::simulate(StateId state, std::size_t action, double probability,
     if (value == "true" || value == "false")
       distribution[value == "true" ? "false" : "true"] = 1.0 - probability;
   }
+  return knowledge;
+}
+
+void CoarsePlan::simulate(StateId state, std::size_t action, double probability,
+                          const std::optional<LowerObjective>& objective, OptionModel& model)
+{
+  const refinement::InitialKnowledge knowledge = knowledgeAt(state, probability);
   const LowLevelTask begun(
       domain_,
       std::make_shared<const refinement::PomdpTask>(task(state, action, knowledge, objective)),

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -29,6 +30,16 @@ struct LowerObjective
   double discount = 1.0;
 };
 
+/// What an action of the high level costs, in a state.
+struct ActionCost
+{
+  double base_s = 0.0;
+  double per_metre_s = 0.0;
+  std::string fluent;  ///< of the low level, whose value it begins at; empty: no distance counts
+  std::vector<std::string> from;  ///< components that the state leaves open
+  std::vector<std::string> to;
+};
+
 /// The upper level of the hierarchy: the high-level description, each of its actions with what its
 /// low-level policy was simulated to take and to find out. Kept between missions.
 class CoarsePlan
@@ -49,10 +60,11 @@ public:
   /// way to the goal if there is one, else the nearest.
   const std::optional<Route>& testFrom(refinement::StateId state);
   const OptionModel& option(refinement::StateId state, std::size_t action);
-  /// The same where the action is impossible only because of what is hidden: what carrying it out
-  /// there would take is what the option says of failure. Where it is impossible anyway, failure
-  /// takes what trying does.
-  [[nodiscard]] OptionModel optionWhereHidden(refinement::StateId state, std::size_t action);
+  /// The state itself where the action is possible; else the same with what is hidden otherwise, so
+  /// that it is.
+  /// @return nothing when it is impossible whatever is hidden
+  [[nodiscard]] std::optional<refinement::StateId> supposedFor(refinement::StateId state,
+                                                               std::size_t action);
   /// The state that an action leads to when it succeeds.
   /// @return nothing when it is impossible or changes nothing
   [[nodiscard]] std::optional<refinement::StateId> resultOf(refinement::StateId state,
@@ -62,6 +74,21 @@ public:
                                                             refinement::StateId hidden_from);
 
   [[nodiscard]] const std::vector<std::size_t>& hidden() const { return hidden_; }
+  /// The states of the high level that the mission may start in.
+  [[nodiscard]] const std::vector<refinement::StateId>& start() const { return start_; }
+  [[nodiscard]] const refinement::LowLevelDomain& domain() const { return domain_; }
+  /// That the hidden values of a state have a probability, and nothing else is known.
+  [[nodiscard]] refinement::InitialKnowledge knowledgeAt(refinement::StateId state,
+                                                         double probability) const;
+  /// What an action costs in a state, from where the robot is to the nearest that will do.
+  /// @param where  of a fluent of the low level, by name: its value; empty where it is not known,
+  ///               and all that the state leaves open count alike
+  [[nodiscard]] double costFrom(
+      refinement::StateId state, std::size_t action,
+      const std::function<std::string(const std::string& fluent)>& where) const;
+  /// The least and the greatest of these over all places that the state leaves open.
+  [[nodiscard]] std::pair<double, double> costRange(refinement::StateId state,
+                                                    std::size_t action) const;
   /// A state as literals of the high level.
   [[nodiscard]] std::vector<reasoner::Literal> literals(refinement::StateId state) const;
   [[nodiscard]] const std::string& actionText(std::size_t action) const
@@ -87,6 +114,8 @@ private:
   [[nodiscard]] std::optional<Route> route(refinement::StateId state, bool to_test);
   [[nodiscard]] bool dependsOnHidden(refinement::StateId state, std::size_t action);
   [[nodiscard]] double meanCost(refinement::StateId state, std::size_t action) const;
+  [[nodiscard]] double distanceOf(const std::string& from, const std::string& to) const;
+  [[nodiscard]] ActionCost actionCost(refinement::StateId state, std::size_t action) const;
   /// @param probability  of the state's hidden values at the start
   void simulate(refinement::StateId state, std::size_t action, double probability,
                 const std::optional<LowerObjective>& objective, OptionModel& model);

@@ -14,35 +14,38 @@ namespace
 
 using refinement::StateId;
 
-// Observations of the upper level.
+// Observations of the upper level: nothing, else 1 + what OptionOutcomes says is told.
 constexpr std::size_t kNothing = 0;
-constexpr std::size_t kYes = 1;
-constexpr std::size_t kNo = 2;
 
-/// What is paid in the course of `effort`, discounted step by step.
-double discountedCost(const OptionEffort& effort, double discount)
+/// Gap of the bounds that is good enough, as a part of what a mission can win or lose.
+constexpr double kGoodGap = 0.05;
+
+/// In a cost: nothing is known of where the robot is, but its state of the high level.
+std::string anywhere(const std::string& /*fluent*/)
 {
-  if (discount >= 1.0)
-    return effort.seconds;
-  return effort.seconds / effort.steps * (1.0 - std::pow(discount, effort.steps)) /
-         (1.0 - discount);
+  return {};
 }
 
-OptionEffort mixed(const OptionEffort& a, const OptionEffort& b, double share)
+double sumOf(const std::vector<double>& weights)
 {
-  return {share * a.seconds + (1.0 - share) * b.seconds, share * a.steps + (1.0 - share) * b.steps};
+  double sum = 0.0;
+  for (const double weight : weights)
+    sum += weight;
+  return sum;
 }
 
 }  // namespace
 
 CoarsePolicy::CoarsePolicy(CoarsePlan& plan, const CoarseBelief& start, const Objective& objective,
-                           const Limits& limits, const std::atomic<bool>& cancel)
+                           std::size_t variants, const OutcomesOf& outcomes, const Limits& limits,
+                           const std::atomic<bool>& cancel)
+  : objective_(objective)
 {
   enumerate(plan, start, limits.max_rows);
-  findOptions(plan);
-  const pomdp::Model model = build(plan, start, objective);
+  findChoices(plan, variants);
+  model_ = build(plan, start, outcomes);
   pomdp::SolveResult solved = pomdp::solve(
-      model, limits.solver, [&cancel](const pomdp::SolverProgress&) { return !cancel; });
+      *model_, limits.solver, [&cancel](const pomdp::SolverProgress&) { return !cancel; });
   if (cancel)
     throw Cancelled("planning was cancelled");
   lower_ = solved.lower;
@@ -75,39 +78,37 @@ void CoarsePolicy::enumerate(CoarsePlan& plan, const CoarseBelief& start, std::s
   }
 }
 
-void CoarsePolicy::findOptions(CoarsePlan& plan)
+void CoarsePolicy::findChoices(CoarsePlan& plan, std::size_t variants)
 {
   for (std::size_t action = 0; action < results_.size(); ++action)
   {
-    if (!results_[action].empty())
-      actions_.push_back({CoarseChoice::Kind::kCarryOut, action, 0.0});
-  }
-  for (std::size_t action = 0; action < results_.size(); ++action)
-  {
+    if (results_[action].empty())
+      continue;
     const bool hidden = std::any_of(
         results_[action].begin(), results_[action].end(),
         [&](const auto& entry) { return plan.option(states_[entry.first], action).on_hidden; });
-    if (hidden)
-      actions_.push_back({CoarseChoice::Kind::kLook, action, 0.0});
+    for (std::size_t variant = 0; variant < (hidden ? variants : 1); ++variant)
+      choices_.push_back({false, action, variant, 0.0});
   }
 }
 
 pomdp::Model CoarsePolicy::build(CoarsePlan& plan, const CoarseBelief& start,
-                                 const Objective& objective) const
+                                 const OutcomesOf& outcomes) const
 {
   std::vector<std::string> state_names;
   for (std::size_t i = 0; i < states_.size(); ++i)
     state_names.push_back("s" + std::to_string(i));
   state_names.emplace_back("done");
   std::vector<std::string> action_names;
-  for (const CoarseChoice& choice : actions_)
-    action_names.push_back((choice.kind == CoarseChoice::Kind::kLook ? "look" : "do") +
-                           std::to_string(choice.action));
+  for (const CoarseChoice& choice : choices_)
+    action_names.push_back(std::to_string(choice.action) + "." + std::to_string(choice.variant));
   action_names.emplace_back("finish");
+  std::vector<std::string> observation_names{"nothing"};
+  for (std::size_t told = 0; told < OptionOutcomes::kNumTold; ++told)
+    observation_names.push_back("told" + std::to_string(told));
   pomdp::ModelBuilder builder(std::move(state_names), std::move(action_names),
-                              {"nothing", "yes", "no"});
-  const double discount = objective.discount;
-  builder.setDiscount(discount);
+                              std::move(observation_names));
+  builder.setDiscount(objective_.discount);
   const std::size_t done = states_.size();
   std::vector<double> belief(done + 1, 0.0);
   double total = 0.0;
@@ -117,50 +118,69 @@ pomdp::Model CoarsePolicy::build(CoarsePlan& plan, const CoarseBelief& start,
     belief[number_.at(state)] = probability / total;
   builder.setInitialBelief(std::move(belief));
 
-  for (std::size_t a = 0; a < actions_.size(); ++a)
+  for (std::size_t a = 0; a < choices_.size(); ++a)
   {
-    const std::size_t action = actions_[a].action;
-    const bool look = actions_[a].kind == CoarseChoice::Kind::kLook;
-    std::vector<bool> arrived(done, false);
-    for (const auto& entry : results_[action])
-      arrived[entry.second] = true;
+    const std::size_t action = choices_[a].action;
+    // What is told in each state that the action can end in.
+    std::vector<std::vector<double>> told(done, std::vector<double>(OptionOutcomes::kNumTold, 0.0));
+    const auto tell = [&](std::size_t state, const std::vector<double>& weights) {
+      for (std::size_t i = 0; i < weights.size(); ++i)
+        told[state][i] += weights[i];
+    };
     for (std::size_t state = 0; state < done; ++state)
     {
       const auto result = results_[action].find(state);
       const bool possible = result != results_[action].end();
-      const OptionModel option = plan.optionWhereHidden(states_[state], action);
-      OptionEffort effort =
-          possible ? mixed(option.success, option.failure, option.detection) : option.failure;
-      if (look)
-        effort = possible ? option.look.where_possible : option.look.where_impossible;
-      const double goes_on = std::pow(discount, std::max(1.0, effort.steps) - 1.0);
-      const double succeeds = possible && !look ? option.detection : 0.0;
-      if (succeeds > 0.0)
-        builder.addTransition(a, state, result->second, goes_on * succeeds);
-      if (succeeds < 1.0)
-        builder.addTransition(a, state, state, goes_on * (1.0 - succeeds));
-      if (goes_on < 1.0)
-        builder.addTransition(a, state, done, 1.0 - goes_on);
-      builder.setReward(a, state, -discountedCost(effort, discount));
-      const double yes = !look      ? (arrived[state] ? 1.0 : 0.0)
-                         : possible ? option.look.detection
-                                    : option.look.false_alarm;
-      builder.addObservation(a, state, kYes, yes);
-      builder.addObservation(a, state, kNo, 1.0 - yes);
+      const auto supposed = plan.supposedFor(states_[state], action);
+      if (!supposed)
+      {
+        // Never begun: were it allowed, failing would tell for nothing what the state is.
+        builder.setTransition(a, state, done, 1.0);
+        builder.setReward(a, state, objective_.wrong_finish);
+        continue;
+      }
+      const OptionModel& option = plan.option(*supposed, action);
+      if (!option.on_hidden)
+      {
+        builder.setTransition(a, state, possible ? result->second : state, 1.0);
+        builder.setReward(a, state, -plan.costFrom(*supposed, action, anywhere));
+        continue;
+      }
+      const OptionOutcomes& all = outcomes(*supposed, action, choices_[a].variant);
+      const OptionOutcomes::Case& of = possible ? all.possible : all.impossible;
+      const double succeeds = possible ? sumOf(of.succeeded) : 0.0;
+      const double stays = sumOf(of.unchanged);
+      if (possible)
+      {
+        builder.addTransition(a, state, result->second, succeeds);
+        tell(result->second, of.succeeded);
+      }
+      builder.addTransition(a, state, state, stays);
+      tell(state, of.unchanged);
+      builder.addTransition(a, state, done, std::max(0.0, 1.0 - succeeds - stays));
+      builder.setReward(a, state, -of.cost);
     }
     builder.setTransition(a, done, done, 1.0);
     builder.setObservation(a, done, kNothing, 1.0);
+    for (std::size_t state = 0; state < done; ++state)
+    {
+      const double weight = sumOf(told[state]);
+      if (!(weight > 0.0))
+        builder.setObservation(a, state, kNothing, 1.0);
+      for (std::size_t i = 0; weight > 0.0 && i < told[state].size(); ++i)
+        builder.setObservation(a, state, 1 + i, told[state][i] / weight);
+    }
   }
-  const std::size_t finish = actions_.size();
+  const std::size_t finish = choices_.size();
   for (std::size_t state = 0; state <= done; ++state)
   {
     builder.setTransition(finish, state, done, 1.0);
     builder.setObservation(finish, state, kNothing, 1.0);
     if (state < done)
       builder.setReward(finish, state,
-                        plan.holdsGoal(states_[state])  ? objective.success
-                        : plan.goalFrom(states_[state]) ? objective.wrong_finish
-                                                        : objective.given_up);
+                        plan.holdsGoal(states_[state])  ? objective_.success
+                        : plan.goalFrom(states_[state]) ? objective_.wrong_finish
+                                                        : objective_.given_up);
   }
   return builder.build();
 }
@@ -184,17 +204,72 @@ std::optional<pomdp::Belief> CoarsePolicy::dense(const CoarseBelief& belief) con
   return pomdp::Belief(std::move(probabilities));
 }
 
-std::optional<CoarseChoice> CoarsePolicy::choose(const CoarseBelief& belief) const
+bool CoarsePolicy::isGood() const
+{
+  return upper_ - lower_ <= kGoodGap * objective_.stake();
+}
+
+std::optional<double> CoarsePolicy::value(const CoarseBelief& belief) const
+{
+  const auto at = dense(belief);
+  return at ? std::optional(policy_->valueAt(*at)) : std::nullopt;
+}
+
+double CoarsePolicy::actionValue(const pomdp::Belief& belief, std::size_t action) const
+{
+  const std::size_t num_states = model_->numStates();
+  std::vector<std::vector<double>> after(model_->numObservations());
+  double reward = 0.0;
+  for (std::size_t state = 0; state < num_states; ++state)
+  {
+    if (belief[state] <= 0.0)
+      continue;
+    reward += belief[state] * model_->reward(action, state);
+    for (const auto& next : model_->transitions(action, state))
+    {
+      for (const auto& seen : model_->observations(action, next.index))
+      {
+        auto& weights = after[seen.index];
+        weights.resize(num_states, 0.0);
+        weights[next.index] += belief[state] * next.probability * seen.probability;
+      }
+    }
+  }
+  for (auto& weights : after)
+  {
+    const double total = sumOf(weights);
+    if (!(total > 0.0))
+      continue;
+    for (double& weight : weights)
+      weight /= total;
+    reward += model_->discount() * total * policy_->valueAt(pomdp::Belief(std::move(weights)));
+  }
+  return reward;
+}
+
+std::vector<CoarseChoice> CoarsePolicy::ranked(const CoarseBelief& belief) const
 {
   const auto at = dense(belief);
   if (!at)
-    return std::nullopt;
-  const auto best = policy_->bestAt(*at);
-  CoarseChoice choice;
-  if (best.action < actions_.size())
-    choice = actions_[best.action];
-  choice.value = best.value;
-  return choice;
+    return {};
+  std::vector<CoarseChoice> result;
+  for (std::size_t a = 0; a <= choices_.size(); ++a)
+  {
+    CoarseChoice choice = a < choices_.size() ? choices_[a] : CoarseChoice{};
+    choice.value = actionValue(*at, a);
+    result.push_back(choice);
+  }
+  std::stable_sort(result.begin(), result.end(),
+                   [](const auto& x, const auto& y) { return x.value > y.value; });
+  std::vector<CoarseChoice> distinct;
+  for (const CoarseChoice& choice : result)
+  {
+    if (std::none_of(distinct.begin(), distinct.end(), [&](const CoarseChoice& other) {
+          return other.is_finish == choice.is_finish && other.action == choice.action;
+        }))
+      distinct.push_back(choice);
+  }
+  return distinct;
 }
 
 }  // namespace kr3::executive

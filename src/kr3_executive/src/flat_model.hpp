@@ -19,6 +19,9 @@ struct Objective
   double given_up = 0.0;      ///< it cannot be reached
   double wrong_finish = 0.0;  ///< it could be
   double discount = 1.0;
+
+  /// What a mission can win or lose by how it ends.
+  [[nodiscard]] double stake() const { return success - wrong_finish; }
 };
 
 /// The models' rewards are for tasks of one or two wholes (a room to search). For a domain of n

@@ -7,12 +7,13 @@
 
 #include <kr3_common/error.hpp>
 
+#include "upper_level.hpp"
+
 namespace kr3::executive
 {
 namespace
 {
 
-using refinement::kElsewhere;
 using refinement::StateId;
 
 /// Belief that no further look can better.
@@ -30,15 +31,6 @@ double rounded(double seconds)
 {
   constexpr double kStep = 1.5;
   return std::pow(kStep, std::round(std::log(seconds) / std::log(kStep)));
-}
-
-/// A probability that stands for those near it, for the same reason.
-double representativeOf(double probability)
-{
-  constexpr double kStep = 1.0;  // of the log-odds
-  const double bounded = std::clamp(probability, 1e-4, 1.0 - 1e-4);
-  const double steps = std::round(std::log(bounded / (1.0 - bounded)) / kStep);
-  return 1.0 / (1.0 + std::exp(-steps * kStep));
 }
 
 std::size_t numberOf(const refinement::DomainTask& task, const LowLevelAction& wanted)
@@ -81,13 +73,15 @@ HierarchicalController::HierarchicalController(const DomainBelief& start,
   }
   try
   {
-    CoarsePolicy::Limits limits;
-    limits.max_rows = options.max_rows;
-    limits.solver.precision = options.budget.precision;
-    limits.solver.time_s = options.budget.time_s;
-    limits.solver.max_backups = options.budget.max_backups;
-    const CoarseBelief first = plan_->coarse(start);
-    policy_ = std::make_shared<CoarsePolicy>(*plan_, first, objective_, limits, cancel);
+    UpperLevelOptions upper;
+    upper.limits.max_rows = options.max_rows;
+    upper.limits.solver.precision = options.budget.precision;
+    upper.limits.solver.time_s = options.budget.time_s;
+    upper.limits.solver.max_backups = options.budget.max_backups;
+    upper.lower = config.budget;
+    upper.threshold = config.limits.threshold;
+    upper.samples = options.option_samples;
+    policy_ = solvedUpperLevel(*plan_, plan_->coarse(start), objective_, policies, upper, cancel);
   }
   catch (const ResourceExhausted&)  // then without
   {
@@ -112,50 +106,51 @@ std::string HierarchicalController::description() const
   return text + ", " + std::to_string(policy_->numStates()) + " states above, value in " + bounds;
 }
 
+bool HierarchicalController::isSolved() const
+{
+  return policy_ && policy_->isGood();
+}
+
 std::optional<HierarchicalController::Choice> HierarchicalController::choose(
     const DomainBelief& belief)
 {
   const CoarseBelief coarse = plan_->coarse(belief);
   if (coarse.empty())
     return std::nullopt;
-  if (policy_)
-  {
-    if (auto choice = solvedChoice(coarse))
-      return choice;
-  }
-  return choiceByOrder(coarse);
+  if (!isSolved())
+    return choiceByOrder(coarse);
+  return solvedChoice(coarse);
 }
 
 std::optional<HierarchicalController::Choice> HierarchicalController::solvedChoice(
     const CoarseBelief& belief) const
 {
-  const auto chosen = policy_->choose(belief);
-  if (!chosen || chosen->kind == CoarseChoice::Kind::kFinish)
-    return std::nullopt;
-  const StateId* supposed = nullptr;
-  double highest = 0.0;
-  for (const auto& [state, probability] : belief)
+  for (const CoarseChoice& chosen : policy_->ranked(belief))
   {
-    if (probability > highest && plan_->space().executable(state, chosen->action))
+    if (chosen.is_finish)
+      return std::nullopt;
+    const StateId* supposed = nullptr;
+    double highest = 0.0;
+    for (const auto& [state, probability] : belief)
     {
-      highest = probability;
-      supposed = &state;
+      if (probability > highest && plan_->space().executable(state, chosen.action))
+      {
+        highest = probability;
+        supposed = &state;
+      }
     }
+    if (supposed == nullptr || idle_.count({*supposed, chosen.action}) != 0 ||
+        isSpent(tries_, *supposed, chosen.action))
+      continue;
+    Choice choice{*supposed, chosen.action, std::nullopt, false, false};
+    if (plan_->option(*supposed, chosen.action).on_hidden)
+    {
+      choice.objective = LowerObjective{0.0, objective_.discount};
+      choice.is_paid = true;
+    }
+    return choice;
   }
-  if (supposed == nullptr)
-    return std::nullopt;
-  const auto key = std::make_pair(*supposed, chosen->action);
-  if (idle_.count(key) != 0 || isSpent(tries_, *supposed, chosen->action))
-    return std::nullopt;
-  Choice choice{*supposed, chosen->action, std::nullopt, chosen->kind == CoarseChoice::Kind::kLook};
-  if (plan_->option(*supposed, chosen->action).on_hidden)
-  {
-    const Hypotheses all = hypothesesOf(belief);
-    const auto at = std::find(all.states.begin(), all.states.end(), *supposed);
-    choice.objective = plan_->worthSeconds(
-        worthOfFinding(all, *supposed, static_cast<std::size_t>(at - all.states.begin())));
-  }
-  return choice;
+  return std::nullopt;
 }
 
 std::optional<HierarchicalController::Choice> HierarchicalController::choiceByOrder(
@@ -168,7 +163,7 @@ std::optional<HierarchicalController::Choice> HierarchicalController::choiceByOr
     if (!route || route->steps.empty() || isIdle(state, *route))
       return std::nullopt;
     const std::size_t action = route->steps.front().action;
-    Choice choice{state, action, std::nullopt};
+    Choice choice{state, action, std::nullopt, false, false};
     if (found_s && plan_->option(state, action).on_hidden)
       choice.objective = plan_->worthSeconds(*found_s);
     return choice;
@@ -283,87 +278,16 @@ bool HierarchicalController::isWorthSearching(const CoarseBelief& belief, double
   return first && endWorth(objective_, achieved) < objective_.success - first->expected_s;
 }
 
-refinement::InitialKnowledge HierarchicalController::knowledgeFor(const Choice& choice,
-                                                                  const DomainBelief& belief,
-                                                                  bool representative) const
-{
-  refinement::InitialKnowledge knowledge;
-  const auto& domain = belief.task().domain();
-  const auto& fluents = belief.task().space().fluents();
-  for (std::size_t i = 0; i < fluents.size(); ++i)
-  {
-    refinement::Distribution values = belief.task().fineMarginal(belief.states(), i);
-    const std::string whole = coarseFluent(domain, fluents[i].name);
-    const auto coarse = plan_->space().findFluent(whole);
-    const auto& hidden = plan_->hidden();
-    const bool open = coarse && std::find(hidden.begin(), hidden.end(), *coarse) != hidden.end();
-    if (!open || whole != fluents[i].name)
-    {
-      knowledge.fine[fluents[i].name] = std::move(values);
-      continue;
-    }
-    const std::string& supposed = plan_->space().value(choice.state, *coarse);
-    const auto components = domain.components(supposed);
-    double inside = 0.0;
-    for (const auto& component : components)
-      inside += values.count(component) != 0 ? values.at(component) : 0.0;
-    const double mass = representative || inside <= 0.0 ? representativeOf(inside) : inside;
-    refinement::Distribution local;
-    if (inside > 1.0 - 1e-9)
-      local = std::move(values);
-    else
-    {
-      for (const auto& component : components)
-      {
-        const double share = values.count(component) != 0 ? values.at(component) : 0.0;
-        local[component] =
-            representative || inside <= 0.0 ? mass / static_cast<double>(components.size()) : share;
-      }
-      const bool boolean = fluents[i].values == std::vector<std::string>{"false", "true"};
-      local[boolean ? (supposed == "true" ? "false" : "true") : kElsewhere] = 1.0 - mass;
-    }
-    knowledge.fine[fluents[i].name] = std::move(local);
-  }
-  return knowledge;
-}
-
-bool HierarchicalController::begin(const Choice& choice, const DomainBelief& belief,
-                                   const std::atomic<bool>& cancel)
-{
-  try
-  {
-    const auto actual = knowledgeFor(choice, belief, false);
-    // One policy serves all beliefs that differ in what was seen before.
-    const auto solved = plan_->task(choice.state, choice.action, knowledgeFor(choice, belief, true),
-                                    choice.objective);
-    const std::string policy = policies_.solve(solved.model(), config_.budget, cancel).id;
-    active_.emplace(Active{plan_->actionText(choice.action),
-                           LowLevelTask(belief.task().domain(),
-                                        std::make_shared<const refinement::PomdpTask>(plan_->task(
-                                            choice.state, choice.action, actual, choice.objective)),
-                                        actual),
-                           policy, 0, 0,
-                           choice.is_look ? std::optional(choice.action) : std::nullopt});
-  }
-  catch (const FailedPrecondition&)  // nothing to do there, or impossible
-  {
-    return false;
-  }
-  ++num_begun_;
-  return true;
-}
-
 bool HierarchicalController::isOver(const DomainBelief& belief)
 {
   const CoarseBelief coarse = plan_->coarse(belief);
   const double achieved = belief.probability(goal_);
   if (coarse.empty() || achieved > kCertain)
     return true;
-  const auto wanted = policy_ ? policy_->choose(coarse) : std::nullopt;
-  bool is_over =
-      wanted ? wanted->kind == CoarseChoice::Kind::kFinish : achieved > config_.limits.threshold;
-  bool looks_on = wanted && wanted->kind == CoarseChoice::Kind::kLook && active_ &&
-                  active_->looking == std::optional(wanted->action);
+  if (isSolved())  // what is under way ends by itself
+    return false;
+  bool is_over = achieved > config_.limits.threshold;
+  bool looks_on = false;
   if (is_over && isWorthSearching(coarse, achieved))
   {
     is_over = false;
@@ -410,7 +334,7 @@ std::optional<std::size_t> HierarchicalController::next(const DomainBelief& beli
       idle_.clear();
       continue;
     }
-    if (active_->task.isFinish(chosen))
+    if (chosen >= active_->task.pomdp().finishAction())
     {
       if (active_->done == 0)
         ++fruitless_[begun_from_];

@@ -25,15 +25,16 @@ namespace kr3::executive
 /// both ways exactly: the belief over the whole domain gives the coarse one and the first one of
 /// each zoom, and takes in every observation.
 ///
-/// Above, a point-based policy decides (CoarsePolicy). It looks at the belief after each low-level
-/// action: it ends the mission when that is best, and a look when it has seen enough. Its lower
-/// level is summarised by few numbers, so it ends only where the order of tests does not hold
-/// searching on for better. Where it is too large to be solved, or would begin what has just been
-/// given up, the likeliest coarse state is acted on above the threshold; below it the hypothesis is
-/// tested that is expected to end the search soonest (orderOfTests), by the durations and detection
-/// probabilities that the lower policies were simulated to have.
+/// Above, a point-based policy ranks the actions (CoarsePolicy). A lower task whose action may turn
+/// out impossible ends where the rest of the mission, as that policy values it, is worth more than
+/// going on (CoarsePolicy::paid). docs/baselines.md has the equations.
 ///
-/// A lower task that tests a hypothesis is paid for success as much as the best other test would
+/// Where the upper level is too large to be solved, or its bounds stay far apart, the likeliest
+/// coarse state is acted on above the threshold; below it the hypothesis is tested that is expected
+/// to end the search soonest (orderOfTests), by the durations and detection probabilities that the
+/// lower policies were simulated to have.
+///
+/// There a lower task that tests a hypothesis is paid for success as much as the best other test would
 /// need seconds to find as much probability, and nothing for giving up: it looks on where it is as
 /// long as that finds more a second than going elsewhere (the price of a restless bandit's index,
 /// Whittle 1988). Sources: Zhang, Sridharan and Washington (2013); Sridharan, Wyatt and Dearden
@@ -76,11 +77,14 @@ private:
     std::size_t action;
     std::optional<LowerObjective> objective;  ///< nothing: as the models say
     bool is_look = false;
+    bool is_paid = false;  ///< by the solved upper level's values
   };
 
   [[nodiscard]] std::optional<Choice> choose(const DomainBelief& belief);
   /// As the solved upper level says; nothing where it says nothing that can be begun.
   [[nodiscard]] std::optional<Choice> solvedChoice(const CoarseBelief& belief) const;
+  /// Whether the upper level was solved well enough to be trusted.
+  [[nodiscard]] bool isSolved() const;
   [[nodiscard]] std::optional<Choice> choiceByOrder(const CoarseBelief& belief);
   /// What testing hypotheses takes, with the options' durations. @param states  must outlive it
   [[nodiscard]] ProspectOf prospectsOf(const std::vector<refinement::StateId>& states) const;

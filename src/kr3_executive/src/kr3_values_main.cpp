@@ -23,6 +23,7 @@ struct Arguments
   std::string truth = "uniform";
   double bias = 0.85;
   std::string flat_planning = toString(FlatPlanning::kBest);
+  std::size_t show = 0;
   ValueOptions options;
 };
 
@@ -42,7 +43,9 @@ int run(const Arguments& arguments)
   options.mission.baseline.planning = flatPlanningNamed(arguments.flat_planning);
   if (arguments.truth == "defaults")
     options.default_probability = arguments.bias;
-  print(std::cout, methodValues(arguments.domain, methods, options));
+  const ValueTable table = methodValues(arguments.domain, methods, options);
+  print(std::cout, table);
+  printDifferences(std::cout, table, arguments.show);
   return EXIT_SUCCESS;
 }
 
@@ -73,6 +76,8 @@ int main(int argc, char** argv)
   app.add_option("--flat-planning", arguments.flat_planning, "best, ahead or online");
   app.add_option("--online-prospects", arguments.options.mission.baseline.online_prospects,
                  "counted work of online planning for each action");
+  app.add_option("--show", arguments.show,
+                 "so many trials in which methods acted otherwise than the reference");
   try
   {
     app.parse(argc, argv);

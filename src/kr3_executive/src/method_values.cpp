@@ -27,7 +27,7 @@ constexpr double kNearPart = 0.05;     // of the best known value
 constexpr double kNearAbsolute = 1.0;  // where values are near 0
 const char* const kReference = "reference";
 
-/// Adds up what low-level actions cost.
+/// Adds up what low-level actions cost, and notes them.
 class Earnings : public MissionObserver
 {
 public:
@@ -38,8 +38,13 @@ public:
   void onInput(const Input& input) override
   {
     const auto* skill = std::get_if<SkillEnded>(&input);
-    if (skill != nullptr && skill->code == ErrorCode::kOk)
-      add(-skill->result.duration_s);
+    if (skill == nullptr || skill->code != ErrorCode::kOk)
+      return;
+    add(-skill->result.duration_s);
+    course += skill->action.text;
+    for (const auto& value : skill->result.observation)
+      course += " " + value;
+    course += "; ";
   }
   void add(double reward)
   {
@@ -50,6 +55,7 @@ public:
 
   double discounted = 0.0;
   double undiscounted = 0.0;
+  std::string course;
 
 private:
   double discount_;
@@ -161,7 +167,7 @@ MethodValue valueOf(const std::string& directory, const std::string& name,
                     const ValueOptions& options)
 {
   AbstractMissions missions(directory, config);
-  MethodValue value{name, {}, {}, 0, 0};
+  MethodValue value{name, {}, {}, 0, 0, {}};
   for (std::uint64_t trial = 0; trial < options.trials; ++trial)
   {
     const std::uint64_t seed = options.first_seed + trial;
@@ -173,6 +179,9 @@ MethodValue valueOf(const std::string& directory, const std::string& name,
     value.undiscounted.push_back(earnings.undiscounted);
     value.wrong += result.mission.achieved && !result.goal_is_true ? 1 : 0;
     value.silent += result.mission.achieved ? 0 : 1;
+    value.courses.push_back(earnings.course + (!result.mission.achieved ? "given up"
+                                               : result.goal_is_true    ? "declared"
+                                                                        : "declared falsely"));
   }
   return value;
 }
@@ -280,6 +289,24 @@ void print(std::ostream& out, const ValueTable& table)
         << (isNearBest(table, method) ? "yes" : "no") << std::setw(18)
         << shown(meanOf(method.undiscounted)) << std::setw(8) << method.wrong << method.silent
         << "\n";
+  }
+}
+
+void printDifferences(std::ostream& out, const ValueTable& table, std::size_t trials)
+{
+  const auto& first = table.methods.front().courses;
+  for (std::size_t trial = 0; trial < first.size() && trials > 0; ++trial)
+  {
+    const bool differ = std::any_of(
+        table.methods.begin(), table.methods.end(),
+        [&](const MethodValue& method) { return method.courses[trial] != first[trial]; });
+    if (!differ)
+      continue;
+    --trials;
+    out << "trial " << trial << "\n";
+    for (const MethodValue& method : table.methods)
+      out << "  " << std::left << std::setw(14) << method.name << std::setw(9)
+          << shown(method.discounted[trial]) << method.courses[trial] << "\n";
   }
 }
 

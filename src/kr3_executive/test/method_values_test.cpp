@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <sstream>
 #include <string>
 
@@ -79,6 +80,66 @@ TEST(MethodValues, NoMethodEarnsMoreThanTheUpperBound)
   print(text, table);
   for (const Method method : allMethods())
     EXPECT_NE(text.str().find(std::string("\n") + toString(method) + " "), std::string::npos);
+  std::ostringstream courses;
+  printDifferences(courses, table, 1);
+  EXPECT_EQ(courses.str().rfind("trial ", 0), 0U);
+  EXPECT_NE(courses.str().find("declared"), std::string::npos);
+  EXPECT_EQ(courses.str().find("\ntrial "), std::string::npos);
+}
+
+// With noise: rooms of one cell, where all is decided above, and of two, where the order of cells
+// depends on which room is next.
+TEST(MethodValues, TheHierarchyIsNearTheBestOnSmallFloors)
+{
+  for (const char* const options :
+       {"--rooms 2 --cells 1 --defaults 0", "--rooms 3 --cells 2 --layout line --defaults 0"})
+  {
+    ValueOptions limits = optionsFor(150);
+    limits.first_seed = 501;
+    limits.mission.driver.budget.max_backups = 3000;
+    const ValueTable table =
+        methodValues(floorOf("near", options), {Method::kHierarchical}, limits);
+    EXPECT_TRUE(isNearBest(table, table.methods.back()))
+        << options << ": " << meanOf(table.methods.back().discounted).value << " of "
+        << meanOf(table.methods.front().discounted).value;
+  }
+}
+
+/// What the upper level holds the start for worth.
+class UpperLevelValue : public MissionObserver
+{
+public:
+  void onEvent(const ReportedEvent& event) override
+  {
+    const std::string& text = event.narration.text;
+    const auto at = text.find("value in [");
+    if (event.kind == EventKind::kPolicy && at != std::string::npos)
+      lower = std::stod(text.substr(at + std::string("value in [").size()));
+  }
+  void onBelief(const ReportedBelief& /*belief*/) override {}
+  void onSnapshot(const Snapshot& /*snapshot*/) override {}
+  std::optional<double> lower;
+};
+
+// Its policies are policies of the whole domain: it can promise no more than the best of these.
+// What it promises is made of simulated runs, so a little more is let pass.
+TEST(MethodValues, TheUpperLevelPromisesNoMoreThanTheFlatModelAllows)
+{
+  for (const char* const options :
+       {"--rooms 2 --cells 1 --defaults 0", "--rooms 2 --cells 2 --defaults 0",
+        "--rooms 3 --cells 2 --defaults 0", "--rooms 2 --cells 4 --defaults 0"})
+  {
+    const std::string floor = floorOf("promise", options);
+    ValueOptions limits = optionsFor(1);
+    limits.mission.method = Method::kHierarchical;
+    const ValueTable table = methodValues(floor, {}, limits);
+    AbstractMissions missions(floor, limits.mission);
+    UpperLevelValue promised;
+    static_cast<void>(missions.run(missions.scenario().goal, {}, 1, promised));
+    ASSERT_TRUE(promised.lower) << options;
+    EXPECT_LE(*promised.lower, table.upper + 0.02 * 200.0) << options;
+    EXPECT_GE(*promised.lower, table.lower - 0.05 * 200.0) << options;
+  }
 }
 
 // The solver of the flat model begins with a policy that searches: with next to no work it does not

@@ -38,6 +38,8 @@ struct MethodValue
   std::vector<double> undiscounted;  ///< the same without
   std::uint64_t wrong = 0;           ///< trials that declared a goal which was not true
   std::uint64_t silent = 0;          ///< trials that did not declare the goal
+  /// Of each trial: its low-level actions with what they told, and how it ended.
+  std::vector<std::string> courses;
 };
 
 struct ValueTable
@@ -76,5 +78,8 @@ struct ValueTable
 [[nodiscard]] bool isNearBest(const ValueTable& table, const MethodValue& method);
 
 void print(std::ostream& out, const ValueTable& table);
+
+/// What the methods did in the first trials in which any of them acted otherwise than the first.
+void printDifferences(std::ostream& out, const ValueTable& table, std::size_t trials);
 
 }  // namespace kr3::executive
