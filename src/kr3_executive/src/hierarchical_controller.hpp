@@ -34,11 +34,11 @@ namespace kr3::executive
 /// to end the search soonest (orderOfTests), by the durations and detection probabilities that the
 /// lower policies were simulated to have.
 ///
-/// There a lower task that tests a hypothesis is paid for success as much as the best other test would
-/// need seconds to find as much probability, and nothing for giving up: it looks on where it is as
-/// long as that finds more a second than going elsewhere (the price of a restless bandit's index,
-/// Whittle 1988). Sources: Zhang, Sridharan and Washington (2013); Sridharan, Wyatt and Dearden
-/// (2010); Sutton, Precup and Singh (1999), interrupted options.
+/// There a lower task that tests a hypothesis is paid for success as much as the best other test
+/// would need seconds to find as much probability, and nothing for giving up: it looks on where it
+/// is as long as that finds more a second than going elsewhere (the price of a restless bandit's
+/// index, Whittle 1988). Sources: Zhang, Sridharan and Washington (2013); Sridharan, Wyatt and
+/// Dearden (2010); Sutton, Precup and Singh (1999), interrupted options.
 class HierarchicalController : public Controller
 {
 public:
