@@ -29,8 +29,5 @@ inline constexpr char kGetOptions[] = "reasoner/get_options";
 inline constexpr char kPlan[] = "reasoner/plan";
 inline constexpr char kSolve[] = "pomdp/solve";
 inline constexpr char kGetAction[] = "pomdp/get_action";
-inline constexpr char kAcknowledge[] = "lockstep/acknowledge";
-inline constexpr char kRegisterConsumer[] = "lockstep/register";
-inline constexpr char kUnregisterConsumer[] = "lockstep/unregister";
 
 }  // namespace kr3::executive::names

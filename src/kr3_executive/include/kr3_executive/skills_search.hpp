@@ -18,6 +18,7 @@ struct CellArea
   Point center;
   double size_x_m = 0.0;
   double size_y_m = 0.0;
+  Point stand{};  ///< free, where the robot stands in it
 };
 
 /// The cells of a building. An immutable value.

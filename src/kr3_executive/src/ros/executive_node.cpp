@@ -120,7 +120,7 @@ ExecutiveNode::ExecutiveNode(ros::NodeHandle nh, const ros::NodeHandle& private_
   LowLevelExecutor* executor = executor_.get();
   if (config_.lockstep)
   {
-    pace_ = std::make_unique<ThinkingPace>(nh);
+    pace_ = std::make_unique<LockstepConsumer>(nh);
     paced_executor_ = std::make_unique<PacedExecutor>(*executor_, *pace_);
     executor = paced_executor_.get();
   }

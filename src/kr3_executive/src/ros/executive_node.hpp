@@ -24,7 +24,7 @@
 #include "kr3_executive/mission_recording.hpp"
 #include "kr3_executive/scenario.hpp"
 #include "markers.hpp"
-#include "thinking_pace.hpp"
+#include "paced_executor.hpp"
 
 namespace kr3::executive
 {
@@ -83,7 +83,7 @@ private:
   RosReasoner reasoner_;
   RosPolicyServer policies_;
   std::unique_ptr<RosExecutor> executor_;
-  std::unique_ptr<ThinkingPace> pace_;  // in lockstep only, as the next
+  std::unique_ptr<LockstepConsumer> pace_;  // in lockstep only, as the next
   std::unique_ptr<PacedExecutor> paced_executor_;
   /// Of a method without defaults: the reasoner node's description has them.
   std::unique_ptr<HighLevelReasoner> own_reasoner_;

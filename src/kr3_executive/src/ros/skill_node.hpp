@@ -71,6 +71,9 @@ private:
   [[nodiscard]] Outcome handOver(const Arguments& arguments, const Run& run);
 
   /// Turns round and looks for `object` until it is surely seen.
+  /// Drives back into the cell that is to be searched when something left it nearby.
+  /// @throws FailedPrecondition  the robot is farther away, or there is no way
+  void returnTo(const std::string& cell, const CellMap& cells, const Run& run);
   [[nodiscard]] SearchLog lookRound(const std::string& object, const Run& run);
   /// Drives to a pose from which `object` can be grasped; false when there is none.
   [[nodiscard]] bool approach(const Point& object_map, const Run& run);

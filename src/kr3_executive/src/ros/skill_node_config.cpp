@@ -66,6 +66,7 @@ SkillNodeConfig loadSkillNodeConfig(const ros::NodeHandle& private_nh)
   read.notNegative("view_overlap", config.view_overlap_rad);
   read.count("images_per_heading", config.images_per_heading);
   read.notNegative("cell_margin", config.cell_margin_m);
+  read.notNegative("return_margin", config.return_margin_m);
   read.positive("approach_min_distance", config.approach.min_distance_m);
   read.positive("approach_best_distance", config.approach.best_distance_m);
   read.positive("approach_max_distance", config.approach.max_distance_m);

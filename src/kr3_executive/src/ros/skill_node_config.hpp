@@ -36,7 +36,9 @@ struct SkillNodeConfig
   double view_overlap_rad = 0.3;  ///< of neighbouring views when looking round
   int images_per_heading = 1;
   double cell_margin_m =
-      0.35;                ///< by which the robot may stand outside the cell that it is to search
+      0.35;  ///< by which the robot may stand outside the cell that it is to search
+  double return_margin_m =
+      1.5;                 ///< up to which it goes back first: a grasp's approach may leave it
   int max_approaches = 4;  ///< poses tried per grasp
   double grasp_distance_m =
       0.68;                  ///< from the robot's centre to the object when the gripper closes

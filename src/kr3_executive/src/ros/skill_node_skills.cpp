@@ -1,5 +1,7 @@
 // What each skill of SkillNode does.
 #include <algorithm>
+#include <iomanip>
+#include <sstream>
 
 #include <std_msgs/String.h>
 
@@ -36,10 +38,7 @@ SkillNode::Outcome SkillNode::search(const Arguments& arguments, const Run& run)
   const std::string& object = arguments[1];
   checkObject(object);
   const CellMap cells = robot_.cells(run.interruption);
-  const double outside = cells.distanceTo(cell, robot_.pose(run.interruption).point());
-  if (outside > config_.cell_margin_m)
-    throw FailedPrecondition("the robot is " + std::to_string(outside) + " m outside '" + cell +
-                             "'");
+  returnTo(cell, cells, run);
   const SearchLog log = lookRound(object, run);
   if (log.best() && log.best()->probability >= config_.search.accept_probability)
     last_sighting_[object] = *log.best();
@@ -51,6 +50,26 @@ SkillNode::Outcome SkillNode::search(const Arguments& arguments, const Run& run)
   if (result.where)
     outcome.observation.push_back(*result.where);
   return outcome;
+}
+
+void SkillNode::returnTo(const std::string& cell, const CellMap& cells, const Run& run)
+{
+  const Pose pose = robot_.pose(run.interruption);
+  const double outside = cells.distanceTo(cell, pose.point());
+  if (outside <= config_.cell_margin_m)
+    return;
+  const auto refuse = [&](const std::string& why) {
+    std::ostringstream text;
+    text << "the robot is " << std::fixed << std::setprecision(2) << outside << " m outside '"
+         << cell << "'" << why;
+    throw FailedPrecondition(text.str());
+  };
+  if (outside > config_.return_margin_m)
+    refuse("");
+  const CellArea& area = cells.at(cell);
+  run.report("going back into " + cell, 0.0);
+  if (!robot_.driveTo({area.stand.x, area.stand.y, pose.yaw}, run.interruption))
+    refuse(" and found no way back");
 }
 
 SearchLog SkillNode::lookRound(const std::string& object, const Run& run)

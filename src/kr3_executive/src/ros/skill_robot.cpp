@@ -96,8 +96,12 @@ CellMap SkillRobot::cells(const Interruption& interruption)
   const std::lock_guard<std::mutex> lock(mutex_);
   std::vector<CellArea> areas;
   for (const kr3_msgs::Cell& cell : cells_->cells)
-    areas.push_back(
-        {cell.name, cell.room, {cell.center.x, cell.center.y}, cell.size_x, cell.size_y});
+    areas.push_back({cell.name,
+                     cell.room,
+                     {cell.center.x, cell.center.y},
+                     cell.size_x,
+                     cell.size_y,
+                     {cell.stand.x, cell.stand.y}});
   return CellMap(areas);
 }
 

@@ -39,6 +39,7 @@ DetectorNodeConfig loadDetectorNodeConfig(const ros::NodeHandle& private_nh)
   config.max_rate = params.get("max_rate", config.max_rate);
   params.check(config.max_rate >= 0.0 && config.max_rate <= kMaxRate_Hz, "max_rate",
                "must be in [0, 1000]");
+  config.lockstep = params.get("lockstep", config.lockstep);
   params.finish();
   return config;
 }
@@ -60,6 +61,8 @@ DetectorNode::DetectorNode(const ros::NodeHandle& nh, const DetectorNodeConfig& 
   diagnostics_timer_ =
       nh_.createWallTimer(ros::WallDuration(kDiagnosticsPeriod_s),
                           [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
+  if (config.lockstep)
+    lockstep_ = std::make_unique<LockstepConsumer>(nh_);
   ROS_INFO("detector ready: %zu objects from %s", detector_.model().objects.size(),
            config.model.c_str());
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -8,6 +9,8 @@
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/Image.h>
+
+#include <kr3_common/ros/lockstep_consumer.hpp>
 
 #include "kr3_perception/detector.hpp"
 #include "kr3_perception/geometry.hpp"
@@ -20,6 +23,7 @@ struct DetectorNodeConfig
   std::string model;  ///< path of the model file
   DetectorOptions detector;
   double max_rate = 0.0;  ///< images a second, by their stamps; 0: every one
+  bool lockstep = false;  ///< a simulation waits while an image is processed
 };
 
 /// @throws InvalidArgument  listing every bad parameter
@@ -59,6 +63,7 @@ private:
   ros::Subscriber images_;
   ros::Subscriber camera_infos_;
   ros::WallTimer diagnostics_timer_;
+  std::unique_ptr<LockstepConsumer> lockstep_;
 };
 
 }  // namespace kr3::perception

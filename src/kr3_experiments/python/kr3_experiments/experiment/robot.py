@@ -97,12 +97,11 @@ class Robot:
     claim = f"POMDP-1 takes {_PAPER_RATIO} times as long as PA on the robot (39 % less time, p = 0.0023)."
     protocol = (
         "Whole missions: simulator, navigation, camera, detection, executive, each a process, in lockstep: the"
-        " simulation waits for every pose and detection, and thinking takes its wall time. Of the places that"
-        f" the scenario names the object is in the first with probability {_OBEY}, else in one of the others; world"
-        " and noise have the same seed for every method; all plan with the numbers that the simulated robot learned"
-        f" ({_MODELS}). The oracle is PA that is told the place. Missions that fail"
-        f" count with the time that they took, {_MISSION_LIMIT_S:.0f} s of simulated time at most; the ground truth"
-        " decides."
+        " simulation waits for every pose and for a detector at work, and thinking takes its wall time. Of the"
+        f" places that the scenario names the object is in the first with probability {_OBEY}, else in one of the"
+        " others; world and noise have the same seed for every method; all plan with the numbers that the simulated"
+        f" robot learned ({_MODELS}). The oracle is PA that is told the place. Missions that fail count with the time"
+        f" that they took, {_MISSION_LIMIT_S:.0f} s of simulated time at most; the ground truth decides."
     )
     labels: Mapping[str, Callable[[str], Any]] = {"building": str, "method": str}
 
