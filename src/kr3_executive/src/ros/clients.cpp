@@ -1,6 +1,7 @@
 #include "clients.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <sstream>
 #include <utility>
 
@@ -31,8 +32,10 @@ namespace
 const std::string kSeparator = "; ";
 
 /// Calls a service whose reply begins with a status. A node that is being restarted gets some time.
+/// @param renew  called after a call in vain: a persistent client does not outlive its server
 template <typename Service>
-void callService(ros::ServiceClient& client, Service& service)
+void callService(
+    ros::ServiceClient& client, Service& service, const std::function<void()>& renew = [] {})
 {
   const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(5.0);
   while (!client.call(service.request, service.response))
@@ -40,6 +43,7 @@ void callService(ros::ServiceClient& client, Service& service)
     if (!ros::ok() || ros::WallTime::now() > deadline)
       throw Unavailable("service '" + client.getService() + "' does not answer");
     ros::WallDuration(0.05).sleep();  // waitForExistence uses simulated time, which may stand
+    renew();
   }
   throwIfFailed(service.response.status, client.getService());
 }
@@ -266,7 +270,8 @@ reasoner::PlanResult RosReasoner::plan(const std::string& goal, std::uint32_t ma
 }
 
 RosPolicyServer::RosPolicyServer(ros::NodeHandle nh)
-  : solve_(nh, names::kSolve)
+  : nh_(nh)
+  , solve_(nh, names::kSolve)
   , get_action_(nh.serviceClient<kr3_msgs::GetPolicyAction>(names::kGetAction))
 {
 }
@@ -302,6 +307,12 @@ SolvedPolicy RosPolicyServer::solve(const pomdp::Model& model, const SolveBudget
 
 std::size_t RosPolicyServer::actionAt(const std::string& policy_id, const pomdp::Belief& belief)
 {
+  // A decision may ask thousands of times: one connection, not one for each.
+  const auto connect = [this] {
+    connected_action_ = nh_.serviceClient<kr3_msgs::GetPolicyAction>(names::kGetAction, true);
+  };
+  if (!connected_action_.isValid())
+    connect();
   kr3_msgs::GetPolicyAction service;
   service.request.policy_id = policy_id;
   for (std::size_t state = 0; state < belief.size(); ++state)
@@ -311,7 +322,7 @@ std::size_t RosPolicyServer::actionAt(const std::string& policy_id, const pomdp:
     service.request.states.push_back(static_cast<std::uint32_t>(state));
     service.request.belief.push_back(belief[state]);
   }
-  callService(get_action_, service);
+  callService(connected_action_, service, connect);
   return service.response.action_index;
 }
 

@@ -83,8 +83,10 @@ public:
   std::size_t actionAt(const std::string& policy_id, const pomdp::Belief& belief) override;
 
 private:
+  ros::NodeHandle nh_;
   ActionPeer<kr3_msgs::SolveAction> solve_;
   ros::ServiceClient get_action_;
+  ros::ServiceClient connected_action_;  ///< the same, persistent
 };
 
 /// Skill servers as the executor of low-level actions, by the bindings of the domain.

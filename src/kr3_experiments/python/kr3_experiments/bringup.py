@@ -18,6 +18,8 @@ from kr3_experiments.yaml_file import read_mapping
 
 DEFAULT_PORT = 11311
 DEFAULT_DOMAIN = "office"
+_REAL_TIME_FACTOR = 4.0
+LOCKSTEP_FACTOR = 8.0  # what a message takes between nodes, some ms of wall time, stays below a tenth of a second
 _LOCKSTEP_PATIENCE_S = 120.0  # wall time that the simulation waits for a node that is not heard of
 METHODS = ["pa", "pa_star", "pomdp1", "pomdp2", "hierarchical"]
 
@@ -62,14 +64,14 @@ def add_world_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--real-time-factor",
         type=float,
-        default=4.0,
         metavar="X",
-        help="simulated s per s of wall time (default: 4); 0: as fast as possible",
+        help=f"simulated s per s of wall time, at most (default: {_REAL_TIME_FACTOR:g}, in lockstep"
+        f" {LOCKSTEP_FACTOR:g}); 0: as fast as possible",
     )
     parser.add_argument(
         "--lockstep",
         action="store_true",
-        help="as fast as possible while the simulation waits for every answer; thinking takes its wall time",
+        help="the simulation waits for navigation and detection; thinking takes its wall time",
     )
     parser.add_argument(
         "--method",
@@ -93,7 +95,10 @@ def add_world_options(parser: argparse.ArgumentParser) -> None:
 def world_from(args: argparse.Namespace) -> World:
     """@throws Kr3Error  unknown domain or place, bad number"""
     domain = load_domain(args.domain, repository_root())
-    if args.real_time_factor < 0.0:
+    factor = args.real_time_factor
+    if factor is None:
+        factor = LOCKSTEP_FACTOR if args.lockstep else _REAL_TIME_FACTOR
+    if not factor >= 0.0:
         raise Kr3Error(f"--real-time-factor {args.real_time_factor}: expected a number >= 0")
     if not 0 <= args.seed < 2**31:
         raise Kr3Error(f"--seed {args.seed}: expected a number from 0 to {2**31 - 1}")
@@ -106,7 +111,7 @@ def world_from(args: argparse.Namespace) -> World:
         domain,
         args.seed,
         place,
-        args.real_time_factor,
+        factor,
         args.method,
         args.models,
         args.told,

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Optional
 
 from kr3_experiments.bringup import (
+    LOCKSTEP_FACTOR,
     World,
     add_domain_argument,
     choose_port,
@@ -91,7 +92,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--real-time-factor",
         type=float,
         metavar="X",
-        help="simulated s per s of wall time, waiting for nobody (default: lockstep, as fast as the machine can);"
+        help="simulated s per s of wall time, waiting for nobody (default: lockstep, 8 at most);"
         " what the machine cannot keep up with is learned as the robot's fault",
     )
     parser.add_argument(
@@ -175,7 +176,7 @@ def _drive(args: argparse.Namespace, lesson: Lesson, wanted: int, terminal: Term
     if log.attempts:
         terminal.detail(f"{len(log.attempts)} attempts are there already")
     lockstep = args.real_time_factor is None
-    world = World(domain, args.seed, domain.target.at, args.real_time_factor or 0.0)
+    world = World(domain, args.seed, domain.target.at, LOCKSTEP_FACTOR if lockstep else args.real_time_factor)
     # A run that goes on meets another world: the same one would repeat the same chances.
     variables = {
         **stack_variables(world, run_dir),
