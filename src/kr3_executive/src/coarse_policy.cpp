@@ -19,6 +19,9 @@ constexpr std::size_t kNothing = 0;
 
 /// Gap of the bounds that is good enough, as a part of what a mission can win or lose.
 constexpr double kGoodGap = 0.05;
+/// And as a part of the value that may be possible: on a large floor, where little more than ending
+/// is worth a long search, a policy of value 0 may be within the gap above, and wanders about.
+constexpr double kMostMissed = 0.5;
 
 /// In a cost: nothing is known of where the robot is, but its state of the high level.
 std::string anywhere(const std::string& /*fluent*/)
@@ -206,7 +209,8 @@ std::optional<pomdp::Belief> CoarsePolicy::dense(const CoarseBelief& belief) con
 
 bool CoarsePolicy::isGood() const
 {
-  return upper_ - lower_ <= kGoodGap * objective_.stake();
+  const double gap = upper_ - lower_;
+  return gap <= kGoodGap * objective_.stake() && gap <= kMostMissed * std::abs(upper_);
 }
 
 std::optional<double> CoarsePolicy::value(const CoarseBelief& belief) const
