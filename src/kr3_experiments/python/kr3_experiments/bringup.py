@@ -19,7 +19,9 @@ from kr3_experiments.yaml_file import read_mapping
 DEFAULT_PORT = 11311
 DEFAULT_DOMAIN = "office"
 _REAL_TIME_FACTOR = 4.0
-LOCKSTEP_FACTOR = 8.0  # what a message takes between nodes, some ms of wall time, stays below a tenth of a second
+LOCKSTEP_FACTOR = (
+    8.0  # what a message takes between nodes, some ms of wall time, stays below a tenth of a second
+)
 _LOCKSTEP_PATIENCE_S = 120.0  # wall time that the simulation waits for a node that is not heard of
 METHODS = ["pa", "pa_star", "pomdp1", "pomdp2", "hierarchical"]
 

@@ -176,7 +176,9 @@ def _drive(args: argparse.Namespace, lesson: Lesson, wanted: int, terminal: Term
     if log.attempts:
         terminal.detail(f"{len(log.attempts)} attempts are there already")
     lockstep = args.real_time_factor is None
-    world = World(domain, args.seed, domain.target.at, LOCKSTEP_FACTOR if lockstep else args.real_time_factor)
+    world = World(
+        domain, args.seed, domain.target.at, LOCKSTEP_FACTOR if lockstep else args.real_time_factor
+    )
     # A run that goes on meets another world: the same one would repeat the same chances.
     variables = {
         **stack_variables(world, run_dir),
