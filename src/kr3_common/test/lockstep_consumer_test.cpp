@@ -25,20 +25,8 @@ protected:
   Simulator()
   {
     ros::Time::setNow(ros::Time(100.0));
-    register_ = nh_.advertiseService<kr3_msgs::RegisterConsumer::Request,
-                                     kr3_msgs::RegisterConsumer::Response>(
-        "lockstep/register", [this](auto& request, auto& response) {
-          const std::lock_guard<std::mutex> lock(mutex_);
-          ++registrations_;
-          response.status.code = kr3_msgs::Status::OK;
-          return request.name == kName;
-        });
-    unregister_ = nh_.advertiseService<kr3_msgs::UnregisterConsumer::Request,
-                                       kr3_msgs::UnregisterConsumer::Response>(
-        "lockstep/unregister", [](auto& /*request*/, auto& response) {
-          response.status.code = kr3_msgs::Status::OK;
-          return true;
-        });
+    register_ = nh_.advertiseService("lockstep/register", &Simulator::onRegister, this);
+    unregister_ = nh_.advertiseService("lockstep/unregister", &Simulator::onUnregister, this);
     acknowledge_ = nh_.subscribe<kr3_msgs::Acknowledgement>(
         "lockstep/acknowledge", 100, [this](const kr3_msgs::AcknowledgementConstPtr& message) {
           const std::lock_guard<std::mutex> lock(mutex_);
@@ -56,6 +44,22 @@ protected:
     ros::WallDuration(wall_s).sleep();
     const std::lock_guard<std::mutex> lock(mutex_);
     return last_s_;
+  }
+
+  bool onRegister(kr3_msgs::RegisterConsumer::Request& request,
+                  kr3_msgs::RegisterConsumer::Response& response)
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ++registrations_;
+    response.status.code = kr3_msgs::Status::OK;
+    return request.name == kName;
+  }
+
+  bool onUnregister(kr3_msgs::UnregisterConsumer::Request& /*request*/,
+                    kr3_msgs::UnregisterConsumer::Response& response)
+  {
+    response.status.code = kr3_msgs::Status::OK;
+    return true;
   }
 
   int registrations()
