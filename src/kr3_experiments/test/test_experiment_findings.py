@@ -1,6 +1,8 @@
 """What experiments make of rows whose truth is known."""
 import json
+import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Dict, List
 
@@ -282,3 +284,17 @@ def test_a_stack_that_does_not_come_up_is_started_again_and_no_method_blamed(
     else:
         assert not robot._mission(Robot().settings()[0], 7, "commit", tmp_path)["success"]
     assert codes == []
+
+
+def test_what_a_mission_depends_on_is_in_its_configuration(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    floor = load_domain("floor_a", repository_root())
+    copy = tmp_path / "floor"
+    shutil.copytree(floor.folder, copy)
+    before = robot._Setting(replace(floor, folder=copy), "pa").digest
+    assert before == robot._Setting(floor, "pa").digest
+    assert before != robot._Setting(floor, "hierarchical").digest
+    texture = next(file for file in (copy / "textures").iterdir() if file.is_file())
+    texture.write_bytes(texture.read_bytes() + b"x")
+    assert before != robot._Setting(replace(floor, folder=copy), "pa").digest

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
+import rospkg
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from tqdm import tqdm
@@ -33,6 +34,7 @@ from kr3_experiments.experiment.definition import (
 from kr3_experiments.experiment.rows import Row, RowStore, truth_cell
 from kr3_experiments.experiment.statistics import Paired, mcnemar_p, paired
 from kr3_experiments.experiment.sweep import commit
+from kr3_experiments.stack_file import load_stack
 
 _DOMAINS = ["floor_a", "floor_b"]
 _PAIRS = 25  # a building
@@ -72,14 +74,21 @@ class _Setting:
 
     @functools.cached_property
     def digest(self) -> str:
-        """Hash of what a mission depends on besides its seed and the programs: the domain and the stack file.
+        """Hash of what a mission depends on besides its seed and the programs: domain, stack file, nodes' parameters.
 
         As they are when it is asked for first: files that change while missions run do not change it.
         """
         content = hashlib.sha256(f"{self.method} {_MODELS} {_OBEY} {_MISSION_LIMIT_S}".encode())
-        for file in [*sorted(self.domain.folder.iterdir()), package_config("stack.yaml")]:
+        folder = self.domain.folder
+        files = {str(file.relative_to(folder)): file for file in folder.rglob("*")}
+        files["stack"] = package_config("stack.yaml")
+        for spec in load_stack(files["stack"], None):
+            if spec.config is not None:
+                package = Path(rospkg.RosPack().get_path(spec.package))
+                files[f"{spec.package}/{spec.config}"] = package / spec.config
+        for name, file in sorted(files.items()):
             if file.is_file():
-                content.update(file.name.encode() + b"\0" + file.read_bytes())
+                content.update(name.encode() + b"\0" + file.read_bytes())
         return content.hexdigest()[:12]
 
     def target_at(self, seed: int) -> str:
