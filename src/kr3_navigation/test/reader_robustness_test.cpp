@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <kr3_common/testing/damaged_files.hpp>
+#include <kr3_common/testing/temporary_folder.hpp>
 
 #include "kr3_navigation/blocked_passage.hpp"
 #include "kr3_navigation/cells.hpp"
@@ -22,20 +22,14 @@ namespace
 {
 
 namespace fs = std::filesystem;
-using kr3::testing::damageFile;
-using kr3::testing::takes;
+using kr3::test_support::damageFile;
+using kr3::test_support::takes;
+using kr3::test_support::TemporaryFolder;
 
 class Readers : public ::testing::Test
 {
 protected:
-  Readers()
-  {
-    fs::create_directories(folder_);
-    for (const char* const name : {"two_rooms.yaml", "two_rooms.bt"})
-      fs::copy_file(fs::path(KR3_TEST_DIR) / "data" / name, folder_ / name,
-                    fs::copy_options::overwrite_existing);
-  }
-  ~Readers() override { fs::remove_all(folder_); }
+  Readers() { fs::copy(KR3_TEST_DIR "/data", folder_.path()); }
 
   /// All that the node makes of a map and places when it starts.
   static void start(const OccupancyMap& map, const std::vector<Place>& places,
@@ -51,11 +45,9 @@ protected:
     (void)live.map().toBinary();
   }
 
-  fs::path folder_ = fs::path(::testing::TempDir()) /
-                     ("kr3_navigation_" + std::to_string(getpid()) + "_" +
-                      ::testing::UnitTest::GetInstance()->current_test_info()->name());
-  fs::path building_ = folder_ / "two_rooms.yaml";
-  fs::path map_ = folder_ / "two_rooms.bt";
+  TemporaryFolder folder_;
+  fs::path building_ = fs::path(folder_.path()) / "two_rooms.yaml";
+  fs::path map_ = fs::path(folder_.path()) / "two_rooms.bt";
 };
 
 TEST_F(Readers, OfBuildings)

@@ -22,8 +22,8 @@ namespace
 {
 
 namespace fs = std::filesystem;
-using kr3::testing::damageFile;
-using kr3::testing::write;
+using kr3::test_support::damageFile;
+using kr3::test_support::write;
 
 class Readers : public ::testing::Test
 {

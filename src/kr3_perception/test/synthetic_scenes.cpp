@@ -1,11 +1,9 @@
 #include "synthetic_scenes.hpp"
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
 #include <sstream>
-#include <stdexcept>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -120,20 +118,6 @@ void SyntheticWorld::writeFolder(const std::string& path, int num_images, std::u
     json << "]}";
   }
   std::ofstream(path + "/labels.json") << "{\"images\": [\n" << json.str() << "\n]}\n";
-}
-
-TemporaryFolder::TemporaryFolder()
-{
-  std::string name = (std::filesystem::temp_directory_path() / "kr3_perception_XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr)
-    throw std::runtime_error("cannot make a temporary folder");
-  path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder()
-{
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace kr3::perception::test

@@ -6,6 +6,8 @@
 
 #include <opencv2/core.hpp>
 
+#include <kr3_common/testing/temporary_folder.hpp>
+
 #include "kr3_perception/detector_model.hpp"
 #include "kr3_perception/labelled_folder.hpp"
 
@@ -38,19 +40,6 @@ private:
   std::vector<cv::Mat> fronts_;  ///< CV_8UC3
 };
 
-/// A new empty folder below the system's temporary one, removed with everything in it at the end.
-class TemporaryFolder
-{
-public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  [[nodiscard]] const std::string& path() const { return path_; }
-
-private:
-  std::string path_;
-};
+using kr3::test_support::TemporaryFolder;
 
 }  // namespace kr3::perception::test

@@ -4,9 +4,9 @@
 #include <string>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <kr3_common/testing/damaged_files.hpp>
+#include <kr3_common/testing/temporary_folder.hpp>
 
 #include "kr3_sim_ode/camera.hpp"
 #include "kr3_sim_ode/scenario.hpp"
@@ -17,20 +17,14 @@ namespace
 {
 
 namespace fs = std::filesystem;
-using kr3::testing::damageFile;
-using kr3::testing::takes;
+using kr3::test_support::damageFile;
+using kr3::test_support::takes;
+using kr3::test_support::TemporaryFolder;
 
 class Readers : public ::testing::Test
 {
 protected:
-  Readers()
-  {
-    fs::create_directories(folder_);
-    for (const fs::directory_entry& entry : fs::directory_iterator(KR3_TEST_DIR "/data"))
-      fs::copy_file(entry.path(), folder_ / entry.path().filename(),
-                    fs::copy_options::overwrite_existing);
-  }
-  ~Readers() override { fs::remove_all(folder_); }
+  Readers() { fs::copy(KR3_TEST_DIR "/data", folder_.path()); }
 
   [[nodiscard]] Scenario scenario() const
   {
@@ -56,11 +50,9 @@ protected:
       (void)world->octomap({0.5, 0.0, 2.0});
   }
 
-  fs::path folder_ = fs::path(::testing::TempDir()) /
-                     ("kr3_sim_ode_" + std::to_string(getpid()) + "_" +
-                      ::testing::UnitTest::GetInstance()->current_test_info()->name());
-  std::string building_ = (folder_ / "two_rooms.yaml").string();
-  std::string objects_ = (folder_ / "objects.yaml").string();
+  TemporaryFolder folder_;
+  std::string building_ = folder_.path() + "/two_rooms.yaml";
+  std::string objects_ = folder_.path() + "/objects.yaml";
 };
 
 TEST_F(Readers, OfBuildings)
@@ -95,7 +87,7 @@ TEST_F(Readers, OfTextures)
   };
   // The checksums of a PNG refuse nearly every damage.
   for (const char* const texture : {"plain.png", "checks.png"})
-    (void)damageFile(folder_ / texture, 15, render, texture);
+    (void)damageFile(fs::path(folder_.path()) / texture, 15, render, texture);
 }
 
 }  // namespace

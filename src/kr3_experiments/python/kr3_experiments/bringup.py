@@ -18,6 +18,7 @@ from kr3_experiments.yaml_file import read_mapping
 
 DEFAULT_PORT = 11311
 DEFAULT_DOMAIN = "office"
+_DOMAIN_HELP = f"folder below domains/ (default: {DEFAULT_DOMAIN}), or the path of another"
 _REAL_TIME_FACTOR = 4.0
 LOCKSTEP_FACTOR = (
     8.0  # what a message takes between nodes, some ms of wall time, stays below a tenth of a second
@@ -39,7 +40,7 @@ class World:
         "models.yaml"  # that the robot plans with and believes by; file in the domain's folder
     )
     told: bool = False  # the robot is told where the target is: an oracle to compare with
-    lockstep: bool = False  # as fast as the machine can; the simulation waits for the nodes
+    lockstep: bool = False  # the simulation waits for the nodes
 
 
 def add_domain_argument(parser: argparse.ArgumentParser) -> None:
@@ -48,7 +49,7 @@ def add_domain_argument(parser: argparse.ArgumentParser) -> None:
         "domain",
         nargs="?",
         default=DEFAULT_DOMAIN,
-        help=f"folder below domains/ (default: {DEFAULT_DOMAIN}), or the path of another",
+        help=_DOMAIN_HELP,
     )
 
 
@@ -57,7 +58,7 @@ def add_world_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--domain",
         default=DEFAULT_DOMAIN,
-        help=f"folder below domains/ (default: {DEFAULT_DOMAIN}), or the path of another",
+        help=_DOMAIN_HELP,
     )
     parser.add_argument(
         "--seed", type=int, default=1, help="seed of the simulated world and its noise (default: 1)"

@@ -17,7 +17,7 @@
 /// For tests of readers: files that nobody should write. A reader either takes a damaged file or
 /// refuses it with an error of ours. KR3_DAMAGE_CASES (so many times more cases) and
 /// KR3_DAMAGE_SEED (the first seed, 1 by default) are for long runs, with sanitizers.
-namespace kr3::testing
+namespace kr3::test_support
 {
 
 /// A whole number from the environment.
@@ -148,4 +148,4 @@ inline std::size_t damageFile(const std::filesystem::path& file, std::size_t cas
   return taken;
 }
 
-}  // namespace kr3::testing
+}  // namespace kr3::test_support
