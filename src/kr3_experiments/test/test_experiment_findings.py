@@ -19,6 +19,7 @@ from kr3_experiments.experiment.definition import Options, Table, plot, save_fig
 from kr3_experiments.experiment.points import TargetRule, configurations
 from kr3_experiments.experiment.report import table_text, write_report
 from kr3_experiments.experiment.robot import Robot
+from kr3_experiments.variant import furnished_places
 from kr3_experiments.experiment.rows import RowStore
 
 QUICK = Options(quick=True, trials=8)
@@ -230,15 +231,18 @@ def test_the_goal_says_which_fluent_an_oracle_is_told() -> None:
         assert domain.target.object in domain.target_fluent()
 
 
-def test_objects_of_missions_obey_as_often_as_they_should_whatever_the_method() -> None:
+def test_missions_are_drawn_from_the_whole_building_the_same_for_every_method() -> None:
     setting, other = Robot().settings()[:2]
-    seeds = range(2000)
-    places = [setting.target_at(seed) for seed in seeds]
-    assert places == [other.target_at(seed) for seed in seeds]
-    usual, *others = setting.domain.target.may_be_at
-    assert places.count(usual) / len(places) == pytest.approx(0.8, abs=0.03)
-    for place in others:
-        assert places.count(place) / len(places) == pytest.approx(0.2 / len(others), abs=0.03)
+    draws = [setting.draw(seed) for seed in range(1000)]
+    assert draws == [other.draw(seed) for seed in range(1000)]
+    usual = setting.domain.target.may_be_at[0]
+    truths = [draw.truth for draw in draws]
+    assert truths.count(usual) / len(truths) == pytest.approx(0.8, abs=0.04)
+    furnished = set(furnished_places(setting.domain))
+    assert set(truths) == furnished
+    assert {draw.start for draw in draws} == set(setting.domain.places)
+    assert {draw.goal_place for draw in draws} == furnished - {usual}
+    assert all(draw.goal_place != draw.truth for draw in draws)
 
 
 @pytest.mark.parametrize("ends", [True, False])

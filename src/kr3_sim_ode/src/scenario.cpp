@@ -18,9 +18,10 @@ std::unique_ptr<World> makeWorld(const Scenario& scenario)
       overriddenAssignments(building.objects, scenario.placements, building, scenario.models);
   const std::vector<ObjectState> objects =
       placedObjects(building, scenario.models, assignments, generator);
-  const Pose2 start = scenario.robot_start.empty() ? building.robot_start
-                                                   : freeFloorPose(building, scenario.robot_start,
-                                                                   kRobotClearance, generator);
+  const Pose2 start =
+      scenario.robot_start.empty()
+          ? scenario.robot_pose.value_or(building.robot_start)
+          : freeFloorPose(building, scenario.robot_start, kRobotClearance, generator);
   return std::make_unique<World>(building, scenario.models, objects, start, scenario.world);
 }
 

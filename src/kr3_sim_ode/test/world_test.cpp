@@ -339,6 +339,14 @@ TEST_F(WorldTest, RemovingWhatIsHeldEmptiesTheGripper)
   run(*world, 0.1);
 }
 
+TEST_F(WorldTest, StartsAtTheRequestedPose)
+{
+  scenario.robot_pose = Pose2{2.0, 1.1, 0.5};
+  const Vector3 p = makeWorld(scenario)->robotPose().position;
+  EXPECT_NEAR(p.x, 2.0, 0.02);
+  EXPECT_NEAR(p.y, 1.1, 0.02);
+}
+
 TEST_F(WorldTest, StartsInTheRequestedPlace)
 {
   scenario.robot_start = "right";

@@ -14,6 +14,7 @@ from kr3_experiments.errors import Kr3Error
 from kr3_experiments.master import free_port, is_master
 from kr3_experiments.stack import Stack
 from kr3_experiments.stack_file import NodeSpec, load_stack
+from kr3_experiments.variant import with_start
 from kr3_experiments.yaml_file import read_mapping
 
 DEFAULT_PORT = 11311
@@ -41,6 +42,7 @@ class World:
     )
     told: bool = False  # the robot is told where the target is: an oracle to compare with
     lockstep: bool = False  # the simulation waits for the nodes
+    has_own_scenario: bool = False  # the domain's records are not those of its scenario file
 
 
 def add_domain_argument(parser: argparse.ArgumentParser) -> None:
@@ -64,6 +66,9 @@ def add_world_options(parser: argparse.ArgumentParser) -> None:
         "--seed", type=int, default=1, help="seed of the simulated world and its noise (default: 1)"
     )
     parser.add_argument("--target-at", metavar="PLACE", help="where the object asked for really is")
+    parser.add_argument(
+        "--start", metavar="PLACE", help="where the robot starts, and knows that it does"
+    )
     parser.add_argument(
         "--real-time-factor",
         type=float,
@@ -105,6 +110,8 @@ def world_from(args: argparse.Namespace) -> World:
         raise Kr3Error(f"--real-time-factor {args.real_time_factor}: expected a number >= 0")
     if not 0 <= args.seed < 2**31:
         raise Kr3Error(f"--seed {args.seed}: expected a number from 0 to {2**31 - 1}")
+    if args.start is not None:
+        domain = with_start(domain, args.start, args.seed)
     place = args.target_at or domain.target.at
     domain.placements_with_target(place)
     if not (domain.folder / args.models).is_file():
@@ -119,6 +126,7 @@ def world_from(args: argparse.Namespace) -> World:
         args.models,
         args.told,
         args.lockstep,
+        has_own_scenario=args.start is not None,
     )
 
 
@@ -138,12 +146,15 @@ def stack_variables(world: World, run_dir: Path) -> Dict[str, Any]:
 
 
 def _scenario_file(world: World, run_dir: Path) -> Path:
-    """The domain's own, or with a record of where the target is."""
-    if not world.told:
+    """The domain's own, or one with the records of this world and, for who is told, of where the target is."""
+    if not (world.told or world.has_own_scenario):
         return world.domain.scenario_file
-    statement = f"{world.domain.target_fluent()} = {world.target_at}"
-    scenario = read_mapping(world.domain.scenario_file)
-    scenario["initial_records"].append({"kind": "init", "statement": statement, "value": True})
+    scenario = dict(read_mapping(world.domain.scenario_file))
+    records = list(world.domain.initial_records)
+    if world.told:
+        statement = f"{world.domain.target_fluent()} = {world.target_at}"
+        records.append({"kind": "init", "statement": statement, "value": True})
+    scenario.update(initial_records=records, goal=world.domain.goal)
     file = run_dir / "scenario.yaml"
     file.write_text(yaml.safe_dump(scenario, sort_keys=False), encoding="utf-8")
     return file

@@ -2,6 +2,7 @@
 import argparse
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Dict, Optional
 
@@ -29,12 +30,16 @@ from kr3_experiments.recorder import Recorder, load_profile, require_space, star
 from kr3_experiments.report import GridMap, MissionRecord, write_report
 from kr3_experiments.stack import Stack
 from kr3_experiments.terminal import Terminal
+from kr3_experiments.variant import with_goal_place
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Options of the command."""
     add_world_options(parser)
     parser.add_argument("--goal", help="another goal than the scenario's")
+    parser.add_argument(
+        "--bring-to", metavar="PLACE", help="the scenario's goal, but with the object wanted here"
+    )
     parser.add_argument(
         "--run-dir",
         type=Path,
@@ -63,7 +68,11 @@ def run(args: argparse.Namespace) -> int:
     terminal = Terminal()
     if args.mission_limit < 0.0:
         raise Kr3Error(f"--mission-limit {args.mission_limit}: expected a number >= 0")
+    if args.goal is not None and args.bring_to is not None:
+        raise Kr3Error("--goal and --bring-to: expected one of them")
     world = world_from(args)
+    if args.bring_to is not None:
+        world = replace(world, domain=with_goal_place(world.domain, args.bring_to))
     world.domain.require_map()
     if args.stack is None:  # another stack may do without a detector
         world.domain.require_model()
@@ -195,6 +204,7 @@ def _conclude(
     figures: Dict[str, Any] = {
         "seed": world.seed,
         "target_at": world.target_at,
+        "goal_place": world.domain.target.goal_place,
         "method": world.method,
         "high_level_actions": result.hl_actions,
         "low_level_actions": result.ll_actions,

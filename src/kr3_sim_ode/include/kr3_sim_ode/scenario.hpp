@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,8 @@ struct Scenario
   Building building;
   std::vector<ObjectModel> models;
   std::vector<std::string> placements;  ///< "object=place", in place of the building's defaults
-  std::string robot_start;              ///< a place; empty: the pose in the building file
+  std::string robot_start;              ///< a place; empty: robot_pose
+  std::optional<Pose2> robot_pose;      ///< m, rad, world frame; none: as the building file says
   WorldConfig world;
 };
 

@@ -1,6 +1,7 @@
 #include "sim_node_config.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,16 @@ SimNodeConfig loadSimNodeConfig(const ros::NodeHandle& private_nh)
   const auto objects_path = params.require<std::string>("objects");
   config.scenario.placements = params.get("placements", config.scenario.placements);
   config.scenario.robot_start = params.get("robot_start", config.scenario.robot_start);
+  const std::vector<double> pose = params.get("robot_pose", std::vector<double>());
+  const bool is_pose = pose.size() == 3 && std::all_of(pose.begin(), pose.end(),
+                                                       [](double v) { return std::isfinite(v); });
+  params.check(pose.empty() || is_pose, "robot_pose", "must be empty or x, y, yaw");
+  params.check(pose.empty() || config.scenario.robot_start.empty(), "robot_pose",
+               "must be empty if robot_start says where the robot starts");
+  if (is_pose)
+  {
+    config.scenario.robot_pose = Pose2{pose[0], pose[1], pose[2]};
+  }
   WorldConfig& world = config.scenario.world;
   int seed = static_cast<int>(world.seed);
   whole("seed", seed, 0, 2147483647);

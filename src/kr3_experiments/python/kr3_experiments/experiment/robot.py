@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
@@ -35,6 +35,7 @@ from kr3_experiments.experiment.rows import Row, RowStore, truth_cell
 from kr3_experiments.experiment.statistics import Paired, mcnemar_p, paired
 from kr3_experiments.experiment.sweep import commit
 from kr3_experiments.stack_file import load_stack
+from kr3_experiments.variant import furnished_places
 
 _DOMAINS = ["floor_a", "floor_b"]
 _PAIRS = 25  # a building
@@ -54,6 +55,8 @@ _RESULTS: Dict[str, Callable[[str], Any]] = {
     "config": str,
     "commit": str,
     "seed": int,
+    "start": str,
+    "goal_place": str,
     "truth": str,
     "success": truth_cell,
     "declared": truth_cell,
@@ -63,6 +66,15 @@ _RESULTS: Dict[str, Callable[[str], Any]] = {
     "contacts": int,
     "reason": str,
 }
+
+
+@dataclass(frozen=True)
+class _Draw:
+    """What differs from mission to mission, the same for every method."""
+
+    start: str  # place
+    goal_place: str
+    truth: str  # where the object is
 
 
 @dataclass(frozen=True)
@@ -91,11 +103,16 @@ class _Setting:
                 content.update(name.encode() + b"\0" + file.read_bytes())
         return content.hexdigest()[:12]
 
-    def target_at(self, seed: int) -> str:
-        """Where the object is in the mission with this seed, the same for every method."""
+    def draw(self, seed: int) -> _Draw:
+        """The mission with this seed. @throws Kr3Error  building.yaml is malformed"""
         draws = random.Random(seed)
-        usual, *others = self.domain.target.may_be_at
-        return usual if not others or draws.random() < _OBEY else draws.choice(others)
+        usual = self.domain.target.may_be_at[0]
+        furnished = furnished_places(self.domain)
+        start = draws.choice(sorted(self.domain.places))
+        goal_place = draws.choice([place for place in furnished if place != usual])
+        elsewhere = [place for place in furnished if place not in (usual, goal_place)]
+        obeys = draws.random() < _OBEY or not elsewhere
+        return _Draw(start, goal_place, usual if obeys else draws.choice(elsewhere))
 
 
 class Robot:
@@ -106,10 +123,10 @@ class Robot:
     claim = f"POMDP-1 takes {_PAPER_RATIO} times as long as PA on the robot (39 % less time, p = 0.0023)."
     protocol = (
         "Whole missions: simulator, navigation, camera, detection, executive, each a process, in lockstep: the"
-        " simulation waits for every pose and for a detector at work, and thinking takes its wall time. Of the"
-        f" places that the scenario names the object is in the first with probability {_OBEY}, else in one of the"
-        " others; world and noise have the same seed for every method; all plan with the numbers that the simulated"
-        f" robot learned ({_MODELS}). The oracle is PA that is told the place. Missions that fail count with the time"
+        " simulation waits for every pose and for a detector at work, and thinking takes its wall time. Where the robot"
+        " starts and where the object is wanted is drawn for each mission; the object is in its usual place (the first"
+        f" that the scenario names) with probability {_OBEY}, else in any other; world and noise have the same seed for"
+        f" every method; all plan with the numbers that the simulated robot learned ({_MODELS}). The oracle is PA that is told the place. Missions that fail count with the time"
         f" that they took, {_MISSION_LIMIT_S:.0f} s of simulated time at most; the ground truth decides."
     )
     labels: Mapping[str, Callable[[str], Any]] = {"building": str, "method": str}
@@ -323,14 +340,16 @@ def _mission(setting: _Setting, seed: int, head: str, lost: Path) -> Row:
         "config": setting.digest,
         "commit": head,
         "seed": seed,
-        "truth": setting.target_at(seed),
+        **asdict(setting.draw(seed)),
     }
     oracle = setting.method == _ORACLE
     with tempfile.TemporaryDirectory(prefix="kr3_robot_") as temporary:
         folder = Path(temporary)
         command = ["rosrun", "kr3_experiments", "kr3_cli", "demo", "--no-bag", "--lockstep"]
         command += ["--domain", setting.domain.name, "--models", _MODELS]
-        command += ["--seed", str(seed), "--target-at", str(row["truth"]), "--run-dir", str(folder)]
+        command += ["--seed", str(seed), "--run-dir", str(folder)]
+        command += ["--start", row["start"], "--bring-to", row["goal_place"]]
+        command += ["--target-at", row["truth"]]
         command += ["--method", "pa" if oracle else setting.method, *["--told"] * oracle]
         command += ["--time-limit", str(_WALL_LIMIT_S), "--mission-limit", str(_MISSION_LIMIT_S)]
         for _ in range(_MOST_STARTS):
