@@ -31,10 +31,20 @@ missing_packages() {
   LC_ALL=C comm -23 <(printf '%s\n' "$wanted") <(printf '%s\n' "$installed")
 }
 
-workspace_is_built() { [ -f "$workspace/build/.kr3_built" ]; }
+# What was built is noted in two files: of all, or of the nodes alone.
+stamp_of() { printf '%s/build/.kr3_built_%s\n' "$workspace" "$1"; }
 
+# built_from all|nodes: the fingerprint of the sources that this part was built from, or nothing.
+built_from() {
+  local stamp
+  stamp=$(stamp_of all)
+  [ "$1" = all ] || [ -f "$stamp" ] || stamp=$(stamp_of "$1")
+  cat "$stamp" 2> /dev/null || true
+}
+
+# require_workspace all|nodes
 require_workspace() {
-  workspace_is_built || fail "the workspace is not built yet: run ./kr3 build"
+  [ -n "$(built_from "$1")" ] || fail "the workspace is not built yet: run ./kr3 build"
 }
 
 # run_logged TITLE LOG COMMAND...: the output goes to LOG; the terminal gets one line that counts the seconds and, where

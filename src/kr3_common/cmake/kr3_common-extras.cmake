@@ -10,7 +10,8 @@ function(kr3_target target)
   endif()
 endfunction()
 
-# kr3_node(<name> SOURCES ... LIBRARIES ...): an executable found by `rosrun <package> <name>`.
+# kr3_node(<name> SOURCES ... LIBRARIES ...): an executable found by `rosrun <package> <name>`. The target kr3_nodes builds
+# the nodes of all packages and what they need, and no tools.
 function(kr3_node name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
   set(target ${PROJECT_NAME}_${name}) # catkin_make shares one target namespace
@@ -20,6 +21,10 @@ function(kr3_node name)
   target_include_directories(${target} SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
   target_link_libraries(${target} PRIVATE ${ARG_LIBRARIES} ${catkin_LIBRARIES})
   add_dependencies(${target} ${catkin_EXPORTED_TARGETS})
+  if(NOT TARGET kr3_nodes)
+    add_custom_target(kr3_nodes)
+  endif()
+  add_dependencies(kr3_nodes ${target})
   install(TARGETS ${target} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 endfunction()
 

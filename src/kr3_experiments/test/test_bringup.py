@@ -150,11 +150,30 @@ def test_a_second_master_on_the_port_is_refused(repository):
 
 
 def test_a_node_that_cannot_start_is_named_with_its_log(repository):
-    (repository / "stack.yaml").write_text(MUX.replace("executable: mux", "executable: muks"))
+    (repository / "stack.yaml").write_text(MUX.replace("[out, in]", "[]"))
     program = start_up(repository, free_port())
     assert program.exit_code() == 3
     assert re.search(r"mux_node ended during the start .exit code \d+", program.text())
-    assert "muks" in program.text()
+    assert "usage: mux" in program.text()
+    assert "Traceback" not in program.text()
+
+
+@pytest.mark.parametrize(
+    "old, new, message",
+    [
+        ("executable: mux", "executable: muks", "package topic_tools has no executable 'muks'"),
+        (
+            "package: topic_tools",
+            "package: moon",
+            "package moon( of mux_node)? is not in the workspace",
+        ),
+    ],
+)
+def test_a_program_that_is_not_there_is_named(repository, old, new, message):
+    (repository / "stack.yaml").write_text(MUX.replace(old, new))
+    program = start_up(repository, free_port())
+    assert program.exit_code() == 1
+    assert re.search(message, program.text())
     assert "Traceback" not in program.text()
 
 

@@ -56,7 +56,7 @@ struct BeginningLevel
 };
 
 /// What the records before a step say about that step: the history begins there, and they need not
-/// be kept (DESIGN.md 3.2 point 11). Private to the package.
+/// be kept (docs/semantics_tests.md, row 11). Private to the package.
 ///
 /// The least price of a state at the first step is the sum of those of its components' rows, for
 /// each of the levels of findOptimum.

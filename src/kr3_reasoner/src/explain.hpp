@@ -9,7 +9,7 @@
 namespace kr3::reasoner
 {
 
-/// Explains what a history entails (DESIGN.md 3.2 point 10). Private to the package.
+/// Explains what a history entails (docs/semantics_tests.md, row 10). Private to the package.
 ///
 /// The minimal explanations E with the closures of what is known initially (worlds) come from the
 /// solver. In one world entailment is monotonic, so a proof is found by propagation and cut down

@@ -10,7 +10,8 @@
 namespace kr3::reasoner
 {
 
-/// Finds plans from the current step of a history (DESIGN.md 3.2 point 8). Private to the package.
+/// Finds plans from the current step of a history (docs/semantics_tests.md, row 8). Private to the
+/// package.
 ///
 /// A plan found in one model is only a proposal. It is then tried in all models with minimal
 /// explanations: a counterexample (an action that is impossible or leads nowhere, the goal missed,

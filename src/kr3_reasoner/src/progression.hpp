@@ -10,8 +10,8 @@
 namespace kr3::reasoner
 {
 
-/// Progresses histories to later first steps (DESIGN.md 3.2 point 11). Private to the package; not
-/// thread-safe.
+/// Progresses histories to later first steps (docs/semantics_tests.md, row 11). Private to the
+/// package; not thread-safe.
 ///
 /// The history before the new first step is unrolled once for each kind of assumption and falls
 /// into components that share no rule. A component's table has a row for each combination of values

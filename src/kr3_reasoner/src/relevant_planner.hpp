@@ -16,7 +16,7 @@ namespace kr3::reasoner
 constexpr int kFirstHorizon = 4;
 
 /// Plans on the part of a description and its history that can matter to a goal; the answer is that
-/// of planning on all of it (DESIGN.md 3.3). Private to the package.
+/// of planning on all of it. Private to the package.
 ///
 /// The part is widened when it turns out too small: constants that are alike are few for short
 /// plans and more for longer ones, and all are kept where a relevant fluent may have one as its

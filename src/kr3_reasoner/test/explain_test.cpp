@@ -10,7 +10,7 @@
 #include "support.hpp"
 #include "support/random_case.hpp"
 
-// DESIGN.md 3.2 point 10: what is cited suffices, and nothing cited is superfluous.
+// docs/semantics_tests.md, row 10: what is cited suffices, and nothing cited is superfluous.
 namespace kr3::reasoner
 {
 namespace

@@ -1,6 +1,6 @@
 // Regression tests for the traps in the semantics of the initial state, of explanations and of
-// priorities (DESIGN.md 3.2, points 1, 2 and 4). Every history is compared with the enumeration of
-// the definitions as well.
+// priorities (docs/semantics_tests.md, rows 1, 2 and 4). Every history is compared with the
+// enumeration of the definitions as well.
 
 #include <gtest/gtest.h>
 

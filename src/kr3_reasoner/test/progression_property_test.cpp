@@ -1,5 +1,5 @@
 // Histories that are progressed, against the same histories as a whole, on random descriptions with
-// random continuations (DESIGN.md 3.2 point 11). The number of cases is 30, or what
+// random continuations (docs/semantics_tests.md, row 11). The number of cases is 30, or what
 // KR3_REASONER_CASES says; the first seed is 1, or KR3_REASONER_SEED.
 
 #include <algorithm>

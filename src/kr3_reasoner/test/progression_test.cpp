@@ -1,5 +1,5 @@
-// Traps in progressing a history (DESIGN.md 3.2 point 11), each as a test; laws on random histories
-// are in progression_property_test.cpp.
+// Traps in progressing a history (docs/semantics_tests.md, row 11), each as a test; laws on random
+// histories are in progression_property_test.cpp.
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // Regression tests for the traps in the semantics of what happens after the initial state
-// (DESIGN.md 3.2, points 3 and 5 to 9). Every history is compared with the enumeration of the
-// definitions as well.
+// (docs/semantics_tests.md, rows 3 and 5 to 9). Every history is compared with the enumeration of
+// the definitions as well.
 
 #include <algorithm>
 

@@ -210,7 +210,7 @@ TEST(Retraction, WhatContradictsNowIsGivenUpAndAllThatIsGivenUpIsNeeded)
   EXPECT_GT(found, 10U);
 }
 
-// DESIGN.md 3.2 point 6: one false negative must not end a mission.
+// docs/semantics_tests.md, row 6: one false negative must not end a mission.
 TEST(Retraction, FindsTheLeastCertainRefutationOfAFluent)
 {
   std::string all;

@@ -45,7 +45,7 @@ using CoarseFluents = std::map<std::string, std::vector<std::size_t>>;
     const LowLevelDomain& domain, const Zoom& zoom, const InitialKnowledge& knowledge,
     const std::map<std::string, Distribution>& priors);
 
-/// Weights of states under the initial knowledge (DESIGN.md 4.3), normalised.
+/// Weights of states under the initial knowledge (docs/refinement.md), normalised.
 ///
 /// @param states  of `semantics`, shape [states]
 /// @throws InvalidArgument, FailedPrecondition  as generatePomdp

@@ -26,7 +26,7 @@ struct Outcomes
 /// given; the boundary, where outcomes go that leave the zoom, is the next number. An action that
 /// is impossible in a state leaves it as it is.
 ///
-/// Source: DESIGN.md 4.3. An immutable value.
+/// Source: docs/refinement.md. An immutable value.
 class TransitionTable
 {
 public:

@@ -184,7 +184,8 @@ def start_followers(stack: Stack, specs: Sequence[NodeSpec]) -> None:
     """Programs that acknowledge, in lockstep, for nodes that know nothing of it."""
     for spec in specs:
         if spec.follow is not None:
-            command = ["rosrun", "kr3_sim_ode", "lockstep_follow", spec.name, spec.follow.topic]
+            program = stack.executable("kr3_sim_ode", "lockstep_follow")
+            command = [program, spec.name, spec.follow.topic]
             command += [str(spec.follow.period_s), "--timeout", str(_LOCKSTEP_PATIENCE_S)]
             stack.start_process(f"lockstep_{spec.name}", command)
 

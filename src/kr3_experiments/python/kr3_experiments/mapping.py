@@ -53,7 +53,7 @@ def run(args: argparse.Namespace) -> int:
         stack.start_master(choose_port(args.port))
         stack.start_nodes(load_stack(package_config("mapping_stack.yaml"), variables))
         terminal.heading("The robot drives through all rooms")
-        tour = stack.start_unwatched("build_map", ["rosrun", "kr3_navigation", "build_map"])
+        tour = stack.start_unwatched("build_map", [stack.executable("kr3_navigation", "build_map")])
         if not stack.spin_until(lambda: tour.exit_code() is not None, args.time_limit):
             raise Kr3Error(
                 f"the map was not finished within {args.time_limit:.0f} s (see {tour.log})"

@@ -94,7 +94,7 @@ def active_file(bag: Path) -> Path:
 def start_recording(stack: Stack, profile: Profile, bag: Path, timeout_s: float = 20.0) -> Recorder:
     """@throws Kr3Error  too little disk space, or the recording did not start"""
     require_space(bag.parent, profile.min_free_mb)
-    command = ["rosrun", "rosbag", "record", "--lz4", "--buffsize=128", "-O", str(bag)]
+    command = [stack.executable("rosbag", "record"), "--lz4", "--buffsize=128", "-O", str(bag)]
     command += [f"--min-space={profile.stop_below_mb}M", "__name:=kr3_recorder"]
     command += [rospy.resolve_name(topic) for topic in profile.topics]
     recorder = Recorder(stack.start_unwatched("recorder", command), bag)

@@ -7,6 +7,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional
 from xmlrpc.client import Fault
 
 import rosgraph
+import roslib.packages
 import rospkg
 import rospy
 
@@ -39,6 +40,7 @@ class Stack:
         self._uri = ""
         self._owns_master = False
         self._last_master_check = 0.0
+        self._packages = rospkg.RosPack()
 
     def __enter__(self) -> "Stack":
         return self
@@ -58,7 +60,7 @@ class Stack:
         self._owns_master = True
         self._join(f"http://127.0.0.1:{port}")
         rosgraph.Master(_CALLER).setParam("/run_id", str(int(time.time())))
-        self.start_process("rosout", ["rosrun", "rosout", "rosout"], max_restarts=3)
+        self.start_process("rosout", [self.executable("rosout", "rosout")], max_restarts=3)
 
     def use_master(self, uri: str) -> None:
         """Work with a master that somebody else started. @throws StackError  it does not answer"""
@@ -76,6 +78,16 @@ class Stack:
         if not rospy.core.is_initialized():
             rospy.init_node("kr3_bringup", anonymous=True, disable_signals=True)
 
+    def executable(self, package: str, name: str) -> str:
+        """What `rosrun package name` runs, found without its second of searching. @throws Kr3Error  there is none"""
+        try:
+            found = roslib.packages.find_node(package, name, self._packages)
+        except rospkg.ResourceNotFound as error:
+            raise Kr3Error(f"package {package} is not in the workspace") from error
+        if not found:
+            raise Kr3Error(f"package {package} has no executable '{name}'")
+        return str(found[0])
+
     def start_process(self, name: str, command: List[str], max_restarts: int = 0) -> ManagedProcess:
         """Start any other program that belongs to the stack, with its output in `log/NAME.log`."""
         process = ManagedProcess(name, command, self._logs / f"{name}.log", self._environment)
@@ -91,18 +103,13 @@ class Stack:
     def start_nodes(self, specs: List[NodeSpec]) -> None:
         """Start all nodes side by side and wait until each is ready.
 
-        @throws Kr3Error    a package is unknown, or a parameter file cannot be read
+        @throws Kr3Error    a package or an executable is unknown, or a parameter file cannot be read
         @throws StartError  a node ended, or was not ready in time
         """
         for spec in specs:
             self._set_parameters(spec)
-            command = [
-                "rosrun",
-                spec.package,
-                spec.executable,
-                *spec.arguments,
-                f"__name:={spec.name}",
-            ]
+            program = self.executable(spec.package, spec.executable)
+            command = [program, *spec.arguments, f"__name:={spec.name}"]
             self.start_process(spec.name, command, spec.max_restarts)
         started = time.monotonic()
         for spec in specs:
@@ -135,7 +142,7 @@ class Stack:
         master = rosgraph.Master(_CALLER)
         parameters: Dict[str, Any] = {}
         try:
-            folder = Path(rospkg.RosPack().get_path(spec.package))
+            folder = Path(self._packages.get_path(spec.package))
         except rospkg.ResourceNotFound as error:
             raise Kr3Error(
                 f"package {spec.package} of {spec.name} is not in the workspace"

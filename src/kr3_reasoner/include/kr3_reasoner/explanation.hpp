@@ -8,7 +8,7 @@
 
 #include "kr3_reasoner/language.hpp"
 
-/// Answers that say why (DESIGN.md 3.2, points 6, 9, 10 and 11). Plain values.
+/// Answers that say why (docs/semantics_tests.md, rows 6, 9, 10 and 11). Plain values.
 namespace kr3::reasoner
 {
 
@@ -73,7 +73,7 @@ struct CitedLaw
   std::vector<SourcePosition> positions;  ///< of its rules: several for a definition
 };
 
-/// Why a literal is entailed (DESIGN.md 3.2 point 10).
+/// Why a literal is entailed (docs/semantics_tests.md, row 10).
 ///
 /// What is cited are records, ground defaults and laws. *Sufficient*: the history of these records
 /// under the description with these defaults and laws only entails the literal. *Minimal*: without
@@ -110,7 +110,7 @@ enum class AssumptionKind : std::uint8_t
 };
 
 /// One element of an explanation E (Zhang et al. 2014, Definition 2, with the
-/// extensions of DESIGN.md 3.2, points 3, 5 and 6).
+/// extensions of docs/semantics_tests.md, rows 3, 5 and 6).
 struct Assumption
 {
   AssumptionKind kind = AssumptionKind::kException;

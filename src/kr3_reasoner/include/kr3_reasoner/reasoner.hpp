@@ -138,7 +138,7 @@ struct RelevantItem
   std::vector<std::string> why;  ///< from the goal to the item, a sentence a step
 };
 
-/// The part of a description and its history that can matter to a goal (DESIGN.md 3.3).
+/// The part of a description and its history that can matter to a goal.
 struct RelevantPart
 {
   std::vector<RelevantItem> constants;
@@ -227,7 +227,7 @@ public:
   /// they say about the step is. That is, for every combination of values that fluents which hang
   /// together may have, what has to be assumed for it at the least, so that later records may still
   /// refute today's minimal explanation. All answers about the step and later ones stay the same,
-  /// whatever is recorded from then on (DESIGN.md 3.2 point 11).
+  /// whatever is recorded from then on (docs/semantics_tests.md, row 11).
   ///
   /// Where there are more combinations than ReasonerOptions::max_combinations, the history begins
   /// at the latest step before at which there are not, or where it began.
@@ -297,19 +297,19 @@ public:
   [[nodiscard]] std::vector<Retraction> retractionsFor(const std::string& literal, int step) const;
 
   /// The least certain refutation of a value of a ground fluent at the current step: what to give
-  /// up when every value that was hoped for is refuted (DESIGN.md 3.2 point 6). `opens` names a
-  /// value that becomes possible. No records when no doubtful record refutes a value. How often to
-  /// ask is the caller's business.
+  /// up when every value that was hoped for is refuted (docs/semantics_tests.md, row 6). `opens`
+  /// names a value that becomes possible. No records when no doubtful record refutes a value. How
+  /// often to ask is the caller's business.
   [[nodiscard]] Retraction leastCertainRefutation(const std::string& fluent) const;
 
-  /// Plans from the current step, for each hypothesis (DESIGN.md 3.2 point 8).
+  /// Plans from the current step, for each hypothesis (docs/semantics_tests.md, row 8).
   /// @param cancel  may be set from another thread; the call then throws Cancelled
   /// @throws InvalidArgument  the goal does not fit the description, or an option is out of range;
   ///                          DeadlineExceeded  the time limit passed; Cancelled
   [[nodiscard]] PlanResult plan(const std::string& goal, const PlanOptions& options = {},
                                 const std::atomic<bool>* cancel = nullptr) const;
 
-  /// What can matter to a goal, and why (DESIGN.md 3.3 "Relevance").
+  /// What can matter to a goal, and why.
   [[nodiscard]] RelevantPart relevant(const std::string& goal) const;
 
   /// The answer set program of the description and the history, complete as it stands: plain

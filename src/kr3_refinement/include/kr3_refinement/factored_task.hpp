@@ -25,7 +25,7 @@ struct FactoredTask
   std::vector<std::vector<std::size_t>> values;
 };
 
-/// The task's POMDP as a dynamic Bayesian network that says exactly the same (DESIGN.md 4.3).
+/// The task's POMDP as a dynamic Bayesian network that says exactly the same (docs/refinement.md).
 ///
 /// - Transitions and the initial belief follow the chain rule in the order of the variables: a
 ///   variable's parents are those earlier variables, after and before the action, without which

@@ -164,7 +164,7 @@ struct GeneratorLimits
   std::size_t max_states = 100000;
 };
 
-/// The POMDP of a zoom (DESIGN.md 4.3).
+/// The POMDP of a zoom (docs/refinement.md).
 ///
 /// @throws InvalidArgument     knowledge names an unknown fluent or value, or is no distribution;
 ///                             an action without a model, or outcomes that do not sum to 1

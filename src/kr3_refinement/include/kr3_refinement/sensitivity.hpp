@@ -34,7 +34,7 @@ struct FirstActionChange
   std::size_t to = 0;
 };
 
-/// How much a task rests on the initial belief that it was given (DESIGN.md 4.3).
+/// How much a task rests on the initial belief that it was given (docs/refinement.md).
 struct SensitivityReport
 {
   std::string fluent;

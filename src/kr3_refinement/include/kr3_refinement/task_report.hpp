@@ -46,8 +46,8 @@ struct TaskReport
 /// What is wrong with a row of probabilities: "0.98 in all", "-0.1 among them"; empty when nothing.
 [[nodiscard]] std::string rowProblem(const pomdp::SparseRow& row);
 
-/// Checks a generated POMDP (DESIGN.md 4.3): probabilities sum to 1, and what of it never comes
-/// about is named.
+/// Checks a generated POMDP (docs/refinement.md): probabilities sum to 1, and what of it never
+/// comes about is named.
 [[nodiscard]] TaskReport validate(const PomdpTask& task);
 
 }  // namespace kr3::refinement

@@ -33,7 +33,7 @@ struct Zoom
 
 /// Relevant part for T = <s1, a, s2>: constants of a; of literals in s1 or s2 but not both; values
 /// in s1 of fluents in executability conditions of a that are ground once a's arguments are
-/// (DESIGN.md 4.2).
+/// (docs/refinement.md).
 ///
 /// @param state   s1, as literals `f = v` of the high level. Boolean fluents that it does not list
 /// are false; a valued
