@@ -126,8 +126,9 @@ class Robot:
         " simulation waits for every pose and for a detector at work, and thinking takes its wall time. Where the robot"
         " starts and where the object is wanted is drawn for each mission; the object is in its usual place (the first"
         f" that the scenario names) with probability {_OBEY}, else in any other; world and noise have the same seed for"
-        f" every method; all plan with the numbers that the simulated robot learned ({_MODELS}). The oracle is PA that is told the place. Missions that fail count with the time"
-        f" that they took, {_MISSION_LIMIT_S:.0f} s of simulated time at most; the ground truth decides."
+        f" every method; all plan with the numbers that the simulated robot learned ({_MODELS}). The oracle is PA that"
+        " is told the place. Missions that fail count with the time that they took,"
+        f" {_MISSION_LIMIT_S:.0f} s of simulated time at most; the ground truth decides."
     )
     labels: Mapping[str, Callable[[str], Any]] = {"building": str, "method": str}
 
