@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from kr3_experiments.bringup import STATE_FILE
 from kr3_experiments.master import free_port
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -189,6 +190,9 @@ def test_a_node_that_never_gets_ready_is_named_with_what_is_missing(repository):
     "arguments, exit_code, message",
     [
         (["demo", "--target-at", "moon"], 1, "'moon' is no place of the domain office"),
+        (["demo", "--start", "moon"], 1, "'moon' is no place of the domain office"),
+        (["demo", "--bring-to", "moon"], 1, "'moon' is no place of the domain office"),
+        (["demo", "--bring-to", "kitchen", "--goal", "x = y"], 1, "--goal and --bring-to"),
         (["demo", "--domain", "moon"], 1, "there is no domain 'moon'"),
         (["up", "--port", "70000"], 1, "port 70000 cannot be used"),
         (["status"], 1, "no robot is running"),
@@ -204,6 +208,16 @@ def test_bad_requests_are_refused_in_words(repository, arguments, exit_code, mes
     assert program.exit_code() == exit_code
     assert message in program.text()
     assert "Traceback" not in program.text()
+
+
+def test_a_folder_with_an_earlier_mission_is_not_used_again(repository):
+    (repository / "domains" / "office" / "perception.yml.gz").write_bytes(b"")
+    folder = repository / "earlier"
+    folder.mkdir()
+    (folder / STATE_FILE).write_text("{}")
+    program = Program(repository, "demo", "--no-bag", "--run-dir", str(folder))
+    assert program.exit_code() == 1
+    assert "holds an earlier mission (executive_state.json)" in program.text()
 
 
 def test_a_missing_map_is_said_before_anything_starts(repository):

@@ -60,6 +60,17 @@ def test_accuracy_says_who_is_better_only_where_pairs_show_it() -> None:
     assert "no difference is shown" in found.statements[0]
 
 
+def test_accuracy_says_why_where_the_paper_is_not_confirmed_and_how_long_missions_take() -> None:
+    rows = accuracy_rows(flat_succeeds=True)
+    for row in rows:
+        row["duration_s"] *= 1.5 if row["method"] == "pa" else 1.0
+    statements = Accuracy().findings(rows, QUICK).statements
+    assert statements[0].endswith("PA's missions take 1.50 (1.50, 1.50) times as long.")
+    assert statements[-1].startswith("Why POMDP-1 does not fall behind")
+    confirmed = Accuracy().findings(accuracy_rows(flat_succeeds=False), QUICK).statements
+    assert not any(text.startswith("Why") for text in confirmed)
+
+
 def test_defaults_says_when_the_paper_is_contradicted() -> None:
     rows = []
     for rooms in (4, 6):

@@ -100,7 +100,7 @@ ExecutiveNode::ExecutiveNode(ros::NodeHandle nh, const ros::NodeHandle& private_
   bindings_ = std::move(loaded.bindings);
   narrator_ = std::make_unique<Narrator>(bindings_.phrases(), high_level);
   executor_ = std::make_unique<RosExecutor>(nh, bindings_);
-  const auto now_s = [] { return ros::Time::now().toSec(); };
+  const auto now_s = [this] { return clock_.now().toSec(); };
   recorder_ = std::make_unique<MissionRecorder>(
       readDomainFiles(config_.domain, config_.refinement, config_.models, config_.bindings,
                       domain_->map()),

@@ -14,6 +14,7 @@
 #include <ros/spinner.h>
 #include <std_srvs/Trigger.h>
 
+#include <kr3_common/ros/monotonic_clock.hpp>
 #include <kr3_msgs/AchieveAction.h>
 #include <kr3_msgs/Tell.h>
 
@@ -77,6 +78,7 @@ private:
   std::unique_ptr<refinement::LowLevelDomain> domain_;
   refinement::Models models_;
   Bindings bindings_;
+  MonotonicClock clock_;  // of mission times
   Scenario scenario_;
   std::unique_ptr<Narrator> narrator_;
   std::unique_ptr<MissionMarkers> markers_;

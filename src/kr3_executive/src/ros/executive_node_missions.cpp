@@ -36,7 +36,7 @@ void ExecutiveNode::restoreKnowledge()
              config_.state_file.c_str());
   }
   under_way_ = readMissionUnderWay(config_.state_file);
-  mission_start_s_ = ros::Time::now().toSec();
+  mission_start_s_ = clock_.now().toSec();
 }
 
 void ExecutiveNode::onAchieve(const kr3_msgs::AchieveGoalConstPtr& goal)
@@ -79,7 +79,7 @@ MissionResult ExecutiveNode::runMission(const MissionUnderWay& mission)
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     under_way_ = mission;
-    mission_start_s_ = ros::Time::now().toSec();
+    mission_start_s_ = clock_.now().toSec();
   }
   const Thinking thinking(pace_.get());
   const auto over = [this] {
@@ -157,7 +157,7 @@ void ExecutiveNode::save()
       mission->max_hl_actions = mission->max_hl_actions > done ? mission->max_hl_actions - done : 1;
       if (mission->time_left_s > 0.0)
       {
-        const double elapsed_s = ros::Time::now().toSec() - mission_start_s_;
+        const double elapsed_s = clock_.now().toSec() - mission_start_s_;
         mission->time_left_s = std::max(kLeastTimeLeft_s, mission->time_left_s - elapsed_s);
       }
     }

@@ -123,13 +123,13 @@ void SkillNode::offer(const std::string& name, const std::string& topic, Skill s
 void SkillNode::serve(Offer& offer, const kr3_msgs::ExecuteSkillGoal& goal)
 {
   kr3_msgs::ExecuteSkillResult result;
-  const ros::Time start = ros::Time::now();
+  const ros::Time start = clock_.now();
   const ros::Duration limit =
       goal.time_limit.isZero() ? ros::Duration(offer.time_limit_s) : goal.time_limit;
   const Run run{[&] {
     if (offer.server->isPreemptRequested() || !ros::ok())
       throw Cancelled(offer.name + " was cancelled");
-    if (ros::Time::now() - start > limit)
+    if (clock_.now() - start > limit)
       throw DeadlineExceeded(offer.name + " took more than " + std::to_string(limit.toSec()) +
                              " s");
                 },
@@ -168,7 +168,7 @@ void SkillNode::serve(Offer& offer, const kr3_msgs::ExecuteSkillGoal& goal)
     robot_.restEyes();
     current_ = "";
   });
-  result.duration_s = (ros::Time::now() - start).toSec();
+  result.duration_s = (clock_.now() - start).toSec();
   const auto code = static_cast<ErrorCode>(result.status.code);
   ++(code == ErrorCode::kOk ? num_done_ : num_failed_);
   if (code == ErrorCode::kOk)

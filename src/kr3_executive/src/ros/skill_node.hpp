@@ -13,6 +13,7 @@
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
 
+#include <kr3_common/ros/monotonic_clock.hpp>
 #include <kr3_msgs/ExecuteSkillAction.h>
 #include <kr3_msgs/Sighting.h>
 
@@ -70,10 +71,10 @@ private:
   [[nodiscard]] Outcome putDown(const Arguments& arguments, const Run& run);
   [[nodiscard]] Outcome handOver(const Arguments& arguments, const Run& run);
 
-  /// Turns round and looks for `object` until it is surely seen.
   /// Drives back into the cell that is to be searched when something left it nearby.
   /// @throws FailedPrecondition  the robot is farther away, or there is no way
   void returnTo(const std::string& cell, const CellMap& cells, const Run& run);
+  /// Turns round and looks for `object` until it is surely seen.
   [[nodiscard]] SearchLog lookRound(const std::string& object, const Run& run);
   /// Drives to a pose from which `object` can be grasped; false when there is none.
   [[nodiscard]] bool approach(const Point& object_map, const Run& run);
@@ -99,6 +100,7 @@ private:
   SkillRobot robot_;
   std::map<std::string, Sighting> last_sighting_;  ///< by object; used by the running skill only
   std::map<std::string, Sighting> noticed_;        ///< the best of each object in this skill
+  MonotonicClock clock_;                           ///< of time limits and durations
   std::mutex running_;                             ///< held by the skill that moves the robot
   /// What the person who was asked answered; changed by SkillRobot::notify().
   enum class Answer

@@ -25,6 +25,7 @@ LOCKSTEP_FACTOR = (
     8.0  # what a message takes between nodes, some ms of wall time, stays below a tenth of a second
 )
 _LOCKSTEP_PATIENCE_S = 120.0  # wall time that the simulation waits for a node that is not heard of
+STATE_FILE = "executive_state.json"  # of the stack file: what a run's executive knows
 METHODS = ["pa", "pa_star", "pomdp1", "pomdp2", "hierarchical"]
 
 

@@ -12,6 +12,7 @@ from kr3_msgs.msg import AchieveResult, Status
 
 from kr3_experiments.bringup import (
     METHODS,
+    STATE_FILE,
     RunNote,
     World,
     add_world_options,
@@ -77,7 +78,7 @@ def run(args: argparse.Namespace) -> int:
     if args.stack is None:  # another stack may do without a detector
         world.domain.require_model()
     profile = None if args.no_bag else load_profile(repository_root() / "rosbag" / "mission.yaml")
-    run_dir = new_run_dir("demo") if args.run_dir is None else existing_run_dir(args.run_dir)
+    run_dir = new_run_dir("demo") if args.run_dir is None else _fresh_run_dir(args.run_dir)
     if profile is not None:
         require_space(run_dir, profile.min_free_mb)
     goal = args.goal or world.domain.goal
@@ -110,6 +111,17 @@ def run(args: argparse.Namespace) -> int:
                 _close_bag(recorder, complete, terminal)
             verdict = mission_verdict(stack, world, mission.result, observers, args.goal is None)
     return _conclude(terminal, world, goal, run_dir, mission, verdict, observers, start_s, recorder)
+
+
+def _fresh_run_dir(folder: Path) -> Path:
+    """@throws Kr3Error  it cannot be written, or holds an earlier mission, which the robot would go on with"""
+    folder = existing_run_dir(folder)
+    left = folder / STATE_FILE
+    if left.exists():
+        raise Kr3Error(
+            f"--run-dir {folder} holds an earlier mission ({left.name}): expected another folder"
+        )
+    return folder
 
 
 class Observers:

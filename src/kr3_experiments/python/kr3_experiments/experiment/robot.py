@@ -16,7 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from tqdm import tqdm
 
-from kr3_experiments.bringup import package_config
+from kr3_experiments.bringup import STATE_FILE, package_config
 from kr3_experiments.domain import Domain, load_domain, repository_root
 from kr3_experiments.errors import Kr3Error, StartError
 from kr3_experiments.experiment.definition import (
@@ -354,6 +354,7 @@ def _mission(setting: _Setting, seed: int, head: str, lost: Path) -> Row:
         command += ["--method", "pa" if oracle else setting.method, *["--told"] * oracle]
         command += ["--time-limit", str(_WALL_LIMIT_S), "--mission-limit", str(_MISSION_LIMIT_S)]
         for _ in range(_MOST_STARTS):
+            (folder / STATE_FILE).unlink(missing_ok=True)
             with (folder / "output.txt").open("w", encoding="utf-8") as output:
                 done = subprocess.run(command, stdout=output, stderr=subprocess.STDOUT, check=False)
             if done.returncode != StartError.exit_code:

@@ -29,6 +29,7 @@ from kr3_experiments.terminal import Terminal
 
 _WANTED = 200
 _WANTED_QUICK = 15
+_LEARNED = "models_learned.yaml"  # in the folder of what it was learned from
 _NOT_NEEDED = ("executive_node", "reasoner_node", "policy_node")
 
 
@@ -57,8 +58,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--output",
         type=Path,
         metavar="FILE",
-        help="models file (default: models.yaml in the run's folder; models_learned.yaml beside the bag, labels or"
-        " attempts that it is learned from)",
+        help="models file (default: models_learned.yaml in the run's folder, or beside the bag, labels or attempts that"
+        " it is learned from)",
     )
     parser.add_argument(
         "--run-dir",
@@ -205,10 +206,9 @@ def _drive(args: argparse.Namespace, lesson: Lesson, wanted: int, terminal: Term
         how = [
             f"{len(log.attempts)} trials in the simulator, domain {args.domain}, seed {args.seed}."
         ]
-        lines = conclude(
-            lesson, laws, log.attempts, args.output or run_dir / "models.yaml", how, args.classes
-        )
-        _show(lines, args.output or run_dir / "models.yaml", terminal)
+        output = args.output or run_dir / _LEARNED
+        lines = conclude(lesson, laws, log.attempts, output, how, args.classes)
+        _show(lines, output, terminal)
     if interrupted is not None:
         terminal.verdict(False, f"not finished; go on with --run-dir {run_dir} --seed {args.seed}")
         raise interrupted
@@ -254,7 +254,7 @@ def _from_bag(args: argparse.Namespace, lesson: Lesson, terminal: Terminal) -> i
 
 
 def _write(args, lesson, attempts, folder: Path, how: str, terminal: Terminal) -> int:
-    output = args.output or folder / "models_learned.yaml"
+    output = args.output or folder / _LEARNED
     _show(
         conclude(lesson, lesson.laws({}), attempts, output, [how], args.classes), output, terminal
     )
