@@ -43,6 +43,8 @@ class GoingClock:
 class SkillNodeClockTest(unittest.TestCase):
     def setUp(self):
         self.clock = GoingClock(1000.0)
+        while rospy.get_time() < 1000.0:  # else the first message is a jump of all waits
+            time.sleep(TICK_S)
         self.folder = tempfile.TemporaryDirectory()
         objects = pathlib.Path(self.folder.name) / "objects.yaml"
         objects.write_text("objects: [{name: cup}]\n", encoding="utf-8")
