@@ -308,6 +308,7 @@ int Propagation::suppose(const FiniteLiteral& literal, int& max_cases)
 /// A literal of the unsatisfied clause that is nearest to a conclusion.
 const FiniteLiteral* Propagation::distinction() const
 {
+  constexpr std::size_t kFewest = 2;  // of one that is open propagation concludes
   const FiniteLiteral* best = nullptr;
   std::size_t fewest = 0;
   for (const Clause& clause : clauses_)
@@ -319,9 +320,10 @@ const FiniteLiteral* Propagation::distinction() const
     }
     const FiniteLiteral* first = nullptr;
     bool satisfied = false;
-    for (const FiniteLiteral& literal : clause.literals)
+    for (std::size_t i = 0; i < clause.literals.size() && !satisfied; ++i)
     {
-      satisfied = satisfied || find(literal) >= 0;
+      const FiniteLiteral& literal = clause.literals[i];
+      satisfied = find(literal) >= 0;
       if (first == nullptr && find(negated(literal)) < 0)
       {
         first = &literal;
@@ -331,6 +333,10 @@ const FiniteLiteral* Propagation::distinction() const
     {
       best = first;
       fewest = open;
+      if (fewest == kFewest)
+      {
+        break;
+      }
     }
   }
   return best;
