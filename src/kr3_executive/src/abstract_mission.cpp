@@ -126,6 +126,8 @@ std::map<std::string, ContentCacheStats> AbstractMissions::cacheStats() const
   return {{"situations", answers.situations.stats()},
           {"named situations", answers.named.stats()},
           {"values", answers.values.stats()},
+          {"values at any price", answers.values_at_any_price.stats()},
+          {"exceptions", answers.exceptions.stats()},
           {"situation plans", answers.situation_plans.stats()},
           {"plans", answers.plans.stats()},
           {"diagnoses", answers.diagnoses.stats()},

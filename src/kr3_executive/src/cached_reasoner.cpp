@@ -116,6 +116,7 @@ CachedReasoner::CachedReasoner(reasoner::Description description,
                                std::shared_ptr<ReasonerCache> cache, std::uint32_t history_window)
   : cache_(cache ? std::move(cache) : std::make_shared<ReasonerCache>())
   , description_(std::move(description))
+  , literals_(description_)
   , options_(options)
   , settings_{{}, history_window}
   , reasoner_(std::make_shared<InProcessReasoner>(description_, options, settings_))
@@ -405,6 +406,11 @@ std::vector<reasoner::Retraction> CachedReasoner::retractions(const std::string&
           ? valuesAt(step_) != nullptr
           : answerAt(literal, step).value_or(reasoner::Answer::kFalse) != reasoner::Answer::kFalse)
     return {};
+  if (!literal.empty() && valuesAt(step) != nullptr)
+  {
+    if (auto known = situationRetractions(literal))
+      return std::move(*known);
+  }
   return answer(
       cache_->retractions, keyOf("retractions", literal, step, true),
       [&] { return unbiased()->retractions(literal, step); },

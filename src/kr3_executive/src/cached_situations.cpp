@@ -58,7 +58,7 @@ KnownSituation CachedReasoner::known(RenamedSituation renamed) const
   fingerprinter.add(empty_.high);
   fingerprinter.add(empty_.low);
   fingerprinter.addText(renamed.situation.text());
-  return {std::move(renamed), fingerprinter.result()};
+  return {std::move(renamed), fingerprinter.result(), 0};
 }
 
 void CachedReasoner::become(Present& present, std::shared_ptr<const KnownSituation> other)
@@ -128,13 +128,18 @@ bool CachedReasoner::advance(Present& present, const std::vector<Record>& record
     {
       std::optional<KnownSituation> found;
       if (const auto later = situations_->next(present.situation->renamed.situation))
-        found = known(situations_->canonical(*later));
+      {
+        found = known(situations_->canonical(later->situation));
+        found->paid = later->paid;
+      }
       const std::size_t bytes = found ? sizeOf(*found) : sizeof found;
       next = cache_->situations.keep(key, std::move(found), bytes);
     }
     if (!*next)
       return false;
     become(present, {next, &**next});
+    const std::optional<int>& paid = (*next)->paid;
+    present.paid = present.paid && paid ? std::optional<int>(*present.paid + *paid) : std::nullopt;
     ++present.step;
   }
 }
@@ -157,20 +162,31 @@ void CachedReasoner::follow(const std::vector<Record>& records, bool anew)
     present_.reset();
 }
 
+CachedReasoner::KnownValues CachedReasoner::valuesOf(const KnownSituation& situation)
+{
+  if (auto known = cache_->values.find(situation.key))
+    return known;
+  auto values = situations_->possibleValues(situation.renamed.situation);
+  const std::size_t bytes = values ? sizeOf(*values) : sizeof values;
+  return cache_->values.keep(situation.key, std::move(values), bytes);
+}
+
+CachedReasoner::KnownValues CachedReasoner::valuesAtAnyPrice(const KnownSituation& situation)
+{
+  if (auto known = cache_->values_at_any_price.find(situation.key))
+    return known;
+  auto values = situations_->valuesAtAnyPrice(situation.renamed.situation);
+  const std::size_t bytes = values ? sizeOf(*values) : sizeof values;
+  return cache_->values_at_any_price.keep(situation.key, std::move(values), bytes);
+}
+
 const Situations::PossibleValues* CachedReasoner::valuesThere()
 {
   if (!present_)
     return nullptr;
   if (present_->values_there)
     return present_->values_there.get();
-  const Fingerprint key = present_->situation->key;
-  auto known = cache_->values.find(key);
-  if (!known)
-  {
-    auto values = situations_->possibleValues(present_->situation->renamed.situation);
-    const std::size_t bytes = values ? sizeOf(*values) : sizeof values;
-    known = cache_->values.keep(key, std::move(values), bytes);
-  }
+  const auto known = valuesOf(*present_->situation);
   if (!*known)
     return nullptr;
   present_->values_there = {known, &**known};
@@ -195,7 +211,72 @@ std::optional<Answer> CachedReasoner::answerAt(const std::string& literal, int s
   const auto* values = valuesAt(step);
   if (values == nullptr)
     return std::nullopt;
-  return situations_->entails(*values, reasoner::parseGroundLiteral(literal, description_));
+  return situations_->entails(*values, literals_.of(literal));
+}
+
+std::optional<int> CachedReasoner::numExceptions()
+{
+  if (!present_ || !present_->paid || !situations_->exceptionsCostOne())
+    return std::nullopt;
+  const KnownSituation& situation = *present_->situation;
+  auto known = cache_->exceptions.find(situation.key);
+  if (!known)
+  {
+    const auto price = situations_->priceOfExceptions(situation.renamed.situation);
+    known = cache_->exceptions.keep(situation.key, price, sizeof price);
+  }
+  return *known ? std::optional<int>(*present_->paid + **known) : std::nullopt;
+}
+
+std::shared_ptr<const KnownSituation> CachedReasoner::withoutContrary(
+    const KnownSituation& situation, const reasoner::Literal& there)
+{
+  Fingerprinter fingerprinter = begun(situation.key, "without");
+  fingerprinter.addText(reasoner::toString(there));
+  const Fingerprint key = fingerprinter.result();
+  if (auto found = cache_->named.find(key))
+    return found;
+  // Under the same names: what becomes possible is asked by them.
+  KnownSituation less =
+      known({situations_->without(situation.renamed.situation, there), Renaming()});
+  const std::size_t bytes = sizeOf(less);
+  return cache_->named.keep(key, std::move(less), bytes);
+}
+
+std::optional<std::vector<reasoner::Retraction>> CachedReasoner::situationRetractions(
+    const std::string& literal)
+{
+  const auto wanted = literals_.of(literal);
+  const auto there = literals_.of(present_->renaming.ofText(literal));
+  const auto isPossible = [&](const KnownValues& values) {
+    const auto answer = *values ? situations_->entails(**values, there) : std::nullopt;
+    return answer && *answer != Answer::kFalse;
+  };
+  const KnownSituation& situation = *present_->situation;
+  if (isPossible(valuesAtAnyPrice(situation)))
+    return std::vector<reasoner::Retraction>{};  // it is only less plausible
+  const std::vector<Record> all = records();
+  std::vector<std::size_t> contrary;
+  std::vector<Record> here;
+  std::vector<std::size_t> places;  // in the history
+  for (std::size_t i = 0; i < all.size(); ++i)
+  {
+    if (all[i].step != present_->step)
+      continue;
+    here.push_back(all[i]);
+    places.push_back(i);
+  }
+  for (const std::size_t index : situations_->contraryTo(here, wanted))
+    contrary.push_back(places[index]);
+  if (contrary.empty())
+    return std::nullopt;
+  if (std::any_of(contrary.begin(), contrary.end(),
+                  [&](std::size_t index) { return all[index].confidence >= 1.0; }))
+    return std::vector<reasoner::Retraction>{};
+  if (!isPossible(valuesOf(*withoutContrary(situation, there))))
+    return std::nullopt;
+  return std::vector<reasoner::Retraction>{
+      situations_->retraction(all, std::move(contrary), wanted)};
 }
 
 std::optional<PlanResult> CachedReasoner::situationPlan(const std::string& goal,

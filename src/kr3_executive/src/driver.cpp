@@ -22,6 +22,7 @@ MissionDriver::MissionDriver(const refinement::LowLevelDomain& domain,
   , high_level_laws_(domain.highLevel())
   , costs_(costs ? std::move(costs)
                  : std::make_shared<PlanCosts>(std::make_shared<TaskCache>(domain, models)))
+  , literals_(domain.highLevel())
 {
 }
 
@@ -29,7 +30,7 @@ void MissionDriver::setKnowledge(Knowledge knowledge)
 {
   const std::lock_guard<std::mutex> lock(mission_mutex_);
   reasoner_.setHistory(knowledge.history);
-  supports_.clear();
+  forgetAnswers();
   knowledge_ = std::move(knowledge);
 }
 

@@ -71,7 +71,7 @@ void MissionDriver::addToHistory(const std::vector<Record>& records)
     reasoner_.setHistory(all);
   }
   knowledge_.history = std::move(all);
-  supports_.clear();
+  forgetAnswers();
   observer_.onRecords(records);
 }
 
@@ -89,7 +89,7 @@ int MissionDriver::sumUpHistory()
   if (!shorter)
     return 0;
   knowledge_.history = std::move(*shorter);
-  supports_.clear();
+  forgetAnswers();
   return first_step;
 }
 

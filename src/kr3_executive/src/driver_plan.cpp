@@ -248,16 +248,39 @@ std::vector<double> MissionDriver::hypothesisProbabilities(
   return result;
 }
 
-std::vector<reasoner::Literal> MissionDriver::believedState(
-    const std::vector<std::string>& hypothesis)
+MissionDriver::Believed& MissionDriver::believedNow()
 {
-  std::vector<reasoner::Literal> state;
+  if (believed_ && believed_->step == state_.step)
+    return *believed_;
+  Believed now{state_.step, {}, {}};
   for (const auto& text : reasoner_.entailedAt(state_.step))
   {
-    if (text.find("!=") != std::string::npos)
-      continue;  // one for each value that is excluded: too many to be parsed each time
-    state.push_back(reasoner::parseGroundLiteral(text, domain_.highLevel()));
+    if (text.find("!=") == std::string::npos)
+      now.entailed.push_back(literals_.of(text));
   }
+  believed_ = std::move(now);
+  return *believed_;
+}
+
+void MissionDriver::forgetAnswers()
+{
+  supports_.clear();
+  believed_.reset();
+}
+
+const std::vector<reasoner::Literal>& MissionDriver::believedState(
+    const std::vector<std::string>& hypothesis)
+{
+  Believed& now = believedNow();
+  const auto known = now.states.find(hypothesis);
+  if (known != now.states.end())
+    return known->second;
+  return now.states.emplace(hypothesis, withAssumed(now.entailed, hypothesis)).first->second;
+}
+
+std::vector<reasoner::Literal> MissionDriver::withAssumed(
+    std::vector<reasoner::Literal> state, const std::vector<std::string>& hypothesis)
+{
   if (hypothesis.empty())
     return state;
   // What is assumed, with what the state constraints make of it.
@@ -285,9 +308,9 @@ std::vector<reasoner::Literal> MissionDriver::believedState(
   for (const auto& [fluent, value] : assumed)
   {
     const bool boolean = value == "true" || value == "false";
-    state.push_back(reasoner::parseGroundLiteral(
-        !boolean ? fluent + " = " + value : (value == "true" ? fluent : "-" + fluent),
-        domain_.highLevel()));
+    state.push_back(literals_.of(!boolean          ? fluent + " = " + value
+                                 : value == "true" ? fluent
+                                                   : "-" + fluent));
   }
   return state;
 }

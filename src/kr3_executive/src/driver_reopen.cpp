@@ -188,6 +188,13 @@ double MissionDriver::surpriseWithout(const std::vector<std::size_t>& records)
       rest.push_back(knowledge_.history[i]);
   }
   reasoner_.setHistory(rest);
+  if (const auto exceptions = reasoner_.numExceptions())
+  {
+    double sum = 0.0;  // bit by bit as below
+    for (int i = 0; i < *exceptions; ++i)
+      sum += logOdds(config_.default_probability);
+    return sum;
+  }
   const reasoner::Diagnosis diagnosis = reasoner_.minimalExplanations();
   if (!diagnosis.consistent)
     return std::numeric_limits<double>::infinity();
@@ -269,7 +276,7 @@ Event MissionDriver::performReopen()
     given_up.push_back(history[index]);
     history.erase(history.begin() + static_cast<std::ptrdiff_t>(index));
   }
-  supports_.clear();
+  forgetAnswers();
   reasoner_.setHistory(history);
   for (const auto& record : given_up)
   {

@@ -307,6 +307,12 @@ std::optional<Optimum> minimalPrice(const HistoryProgram& program, const Records
 
 }  // namespace
 
+Optimum anyPrice(bool exogenous)
+{
+  constexpr int kAnyPrice = 1000000;
+  return {{exogenous, false}, {0, kAnyPrice}};
+}
+
 std::vector<Assumable> assumableLevels(const Records& records, int current_step,
                                        bool exogenous_first, bool uncertain_otherwise)
 {

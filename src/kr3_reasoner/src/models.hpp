@@ -25,6 +25,9 @@ struct Optimum
   std::shared_ptr<UnrolledHistory> constant_history = nullptr;
 };
 
+/// All that may be assumed, with exogenous actions or without; no record is wrong.
+[[nodiscard]] Optimum anyPrice(bool exogenous);
+
 /// Where to begin with the kinds of assumption, when a history is explained in independent parts:
 /// all parts take the first level that explains every one.
 struct ExplanationStart

@@ -167,9 +167,8 @@ const Consequences& Reasoner::Impl::consequences(int step)
 
 Consequences Reasoner::Impl::atAnyPrice()
 {
-  constexpr int kAnyPrice = 1000000;
   const bool exogenous = !optimum() || optimum()->assumable.exogenous;
-  return {description(), program(), records_, currentStep(), {{exogenous, false}, {0, kAnyPrice}}};
+  return {description(), program(), records_, currentStep(), anyPrice(exogenous)};
 }
 
 std::string Reasoner::Impl::conflictText(const std::vector<std::size_t>& conflict) const
@@ -307,30 +306,6 @@ Reasoner Reasoner::Impl::without(const std::vector<std::size_t>& given_up) const
   return Reasoner(std::move(impl));
 }
 
-Retraction Reasoner::Impl::retractionOf(const std::vector<std::size_t>& set) const
-{
-  constexpr double kScale = 100.0;
-  Retraction retraction;
-  retraction.records = set;
-  for (const std::size_t i : set)
-  {
-    retraction.log_odds += doubtOf(history_[i]) / kScale;
-  }
-  return retraction;
-}
-
-void Reasoner::Impl::putInWords(Retraction& retraction) const
-{
-  std::vector<std::string> texts;
-  for (const std::size_t i : retraction.records)
-  {
-    texts.push_back(withPlace(history_[i]));
-  }
-  retraction.in_words =
-      (retraction.opens.empty() ? "the history is consistent" : retraction.opens + " is possible") +
-      (texts.empty() ? std::string(" as it is") : " without the record " + listed(texts));
-}
-
 std::optional<std::vector<Retraction>> Reasoner::Impl::givingUpContrary(const Literal& wanted,
                                                                         int step)
 {
@@ -338,15 +313,7 @@ std::optional<std::vector<Retraction>> Reasoner::Impl::givingUpContrary(const Li
   for (std::size_t i = 0; i < records_.size(); ++i)
   {
     const CheckedRecord& checked = records_[i];
-    if (checked.isAction() || checked.record.step != step ||
-        toString(checked.literal.atom) != toString(wanted.atom))
-    {
-      continue;
-    }
-    const bool same_value = checked.literal.value.name == wanted.value.name;
-    const bool contradicts =
-        wanted.equal ? checked.literal.equal != same_value : checked.literal.equal && same_value;
-    if (!contradicts)
+    if (checked.isAction() || checked.record.step != step || !contradicts(checked.literal, wanted))
     {
       continue;
     }
@@ -365,27 +332,23 @@ std::optional<std::vector<Retraction>> Reasoner::Impl::givingUpContrary(const Li
   {
     return std::nullopt;
   }
-  Retraction retraction = retractionOf(contrary);
-  retraction.opens = toString(wanted, description());
-  putInWords(retraction);
-  return std::vector<Retraction>{std::move(retraction)};
+  return std::vector<Retraction>{retractionOf(history_, contrary, toString(wanted, description()))};
 }
 
 std::vector<Retraction> Reasoner::Impl::retractions(
     const std::vector<Literal>& excluded, int step, std::size_t max_sets,
-    const std::function<bool(const Reasoner&, Retraction&)>& accept)
+    const std::function<bool(const Reasoner&, std::string&)>& accept)
 {
   const bool exogenous = !optimum() || optimum()->assumable.exogenous;
   std::vector<Retraction> found;
   retractionSets(description(), program(), records_, currentStep(), excluded, step, exogenous,
                  max_sets, [&](const std::vector<std::size_t>& set) {
-                   Retraction retraction = retractionOf(set);
-                   if (!accept(without(set), retraction))
+                   std::string opens;
+                   if (!accept(without(set), opens))
                    {
                      return false;
                    }
-                   putInWords(retraction);
-                   found.push_back(std::move(retraction));
+                   found.push_back(retractionOf(history_, set, std::move(opens)));
                    return true;
                  });
   return found;

@@ -92,7 +92,7 @@ public:
   /// What has to be given up so that none of `excluded` holds at `step`.
   std::vector<Retraction> retractions(
       const std::vector<Literal>& excluded, int step, std::size_t max_sets,
-      const std::function<bool(const Reasoner&, Retraction&)>& accept);
+      const std::function<bool(const Reasoner&, std::string& opens)>& accept);
 
   /// What contradicts a literal at a step by itself has to be given up, whatever else is. When that
   /// is enough, it is the only minimal set of doubtful records without which the literal is
@@ -103,8 +103,6 @@ public:
 
 private:
   [[nodiscard]] bool isLarge() const;
-  [[nodiscard]] Retraction retractionOf(const std::vector<std::size_t>& set) const;
-  void putInWords(Retraction& retraction) const;
   /// The history without some of its records.
   [[nodiscard]] Reasoner without(const std::vector<std::size_t>& given_up) const;
 

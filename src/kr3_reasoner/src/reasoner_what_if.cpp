@@ -31,7 +31,7 @@ std::vector<Retraction> Reasoner::retractions() const
   {
     return {};
   }
-  return impl_->retractions({}, 0, kMaxRetractions, [](const Reasoner& reduced, Retraction&) {
+  return impl_->retractions({}, 0, kMaxRetractions, [](const Reasoner& reduced, std::string&) {
     const Diagnosis diagnosis = reduced.diagnose();
     return diagnosis.consistent &&
            std::all_of(diagnosis.alternatives.begin(), diagnosis.alternatives.end(),
@@ -59,8 +59,8 @@ std::vector<Retraction> Reasoner::retractionsFor(const std::string& literal, int
     return std::move(*contrary_ones);
   }
   return impl_->retractions({contrary(wanted, impl_->description())}, step, kMaxRetractions,
-                            [&](const Reasoner& reduced, Retraction& retraction) {
-    retraction.opens = toString(wanted, impl_->description());
+                            [&](const Reasoner& reduced, std::string& opens) {
+    opens = toString(wanted, impl_->description());
     return reduced.impl_->optimum() && reduced.possible(literal, step);
   });
 }
@@ -80,23 +80,23 @@ Retraction Reasoner::leastCertainRefutation(const std::string& fluent) const
       possible_now.push_back(literal);
     }
   }
-  const auto found = impl_->retractions(possible_now, now, 1,
-                                        [&](const Reasoner& reduced, Retraction& retraction) {
-    if (!reduced.impl_->optimum())
-    {
-      return false;
-    }
-    for (const std::string& value : reduced.possibleValues(fluent, now))
-    {
-      const Literal literal = literalOf(ground, value);
-      if (!any.inSome(literal, now))
-      {
-        retraction.opens = toString(literal, impl_->description());
-        return true;
-      }
-    }
-    return false;
-  });
+  const auto found =
+      impl_->retractions(possible_now, now, 1, [&](const Reasoner& reduced, std::string& opens) {
+        if (!reduced.impl_->optimum())
+        {
+          return false;
+        }
+        for (const std::string& value : reduced.possibleValues(fluent, now))
+        {
+          const Literal literal = literalOf(ground, value);
+          if (!any.inSome(literal, now))
+          {
+            opens = toString(literal, impl_->description());
+            return true;
+          }
+        }
+        return false;
+      });
   return found.empty() ? Retraction{} : found.front();
 }
 

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
+
+#include "text.hpp"
+#include "words.hpp"
 
 namespace kr3::reasoner
 {
@@ -90,6 +94,35 @@ std::vector<std::vector<std::size_t>> retractionSets(
     solver.ground({{part, {}}});
   }
   return sets;
+}
+
+bool contradicts(const Literal& recorded, const Literal& wanted)
+{
+  if (toString(recorded.atom) != toString(wanted.atom))
+  {
+    return false;
+  }
+  const bool same_value = recorded.value.name == wanted.value.name;
+  return wanted.equal ? recorded.equal != same_value : recorded.equal && same_value;
+}
+
+Retraction retractionOf(const std::vector<Record>& history, std::vector<std::size_t> records,
+                        std::string opens)
+{
+  constexpr double kScale = 100.0;
+  Retraction retraction;
+  retraction.records = std::move(records);
+  retraction.opens = std::move(opens);
+  std::vector<std::string> texts;
+  for (const std::size_t i : retraction.records)
+  {
+    retraction.log_odds += doubtOf(history[i]) / kScale;
+    texts.push_back(withPlace(history[i]));
+  }
+  retraction.in_words =
+      (retraction.opens.empty() ? "the history is consistent" : retraction.opens + " is possible") +
+      (texts.empty() ? std::string(" as it is") : " without the record " + listed(texts));
+  return retraction;
 }
 
 }  // namespace kr3::reasoner

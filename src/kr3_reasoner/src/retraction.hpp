@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <functional>
+#include <string>
 #include <vector>
 
+#include "kr3_reasoner/explanation.hpp"
 #include "models.hpp"
 
 namespace kr3::reasoner
@@ -25,5 +27,13 @@ std::vector<std::vector<std::size_t>> retractionSets(
     const std::vector<CheckedRecord>& records, int current_step,
     const std::vector<Literal>& excluded, int step, bool exogenous, std::size_t max_sets,
     const std::function<bool(const std::vector<std::size_t>&)>& accept);
+
+/// Whether what a record says is against a literal. Both normalized.
+[[nodiscard]] bool contradicts(const Literal& recorded, const Literal& wanted);
+
+/// Records that are given up, with their log-odds and in words.
+/// @param opens  what becomes possible; empty: the history is consistent
+[[nodiscard]] Retraction retractionOf(const std::vector<Record>& history,
+                                      std::vector<std::size_t> records, std::string opens);
 
 }  // namespace kr3::reasoner

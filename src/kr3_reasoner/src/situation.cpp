@@ -9,8 +9,10 @@
 
 #include "domain_knowledge.hpp"
 #include "ground_fluents.hpp"
+#include "kr3_reasoner/ground_literals.hpp"
 #include "models.hpp"
 #include "relevant_planner.hpp"
+#include "retraction.hpp"
 #include "situation_content.hpp"
 
 namespace kr3::reasoner
@@ -122,6 +124,7 @@ class Situations::Impl
 public:
   Impl(Description description, const ReasonerOptions& options)
     : knowledge(std::move(description), options)
+    , literals(knowledge.description())
     , fluents(groundFluents(knowledge.description()))
     , movable(interchangeable(knowledge.description()))
   {
@@ -141,7 +144,45 @@ public:
     return checked;
   }
 
+  [[nodiscard]] std::optional<Optimum> optimum(const HistoryProgram& program,
+                                               const std::vector<CheckedRecord>& records) const
+  {
+    return findOptimum(program, records, program.firstStep(),
+                       knowledge.options().diagnose_exogenous);
+  }
+
+  [[nodiscard]] std::optional<PossibleValues> valuesOf(
+      const std::shared_ptr<const Beginning>& beginning, const std::vector<Record>& told,
+      bool at_any_price)
+  {
+    const DomainKnowledge::Question question(knowledge, {}, "entailment");
+    const HistoryProgram program = knowledge.program().beginningAt(beginning);
+    const int step = stepOf(beginning);
+    const std::vector<CheckedRecord> records = checked(told);
+    const auto cheapest = optimum(program, records);
+    if (!cheapest)
+    {
+      return std::nullopt;
+    }
+    const Consequences consequences(
+        knowledge.description(), program, records, step,
+        at_any_price ? anyPrice(cheapest->assumable.exogenous) : *cheapest);
+    PossibleValues possible(fluents.size());
+    for (std::size_t i = 0; i < possible.size(); ++i)
+    {
+      for (const std::string& value : fluents[i].values)
+      {
+        if (consequences.inSome(literalOf(fluents[i], value), step))
+        {
+          possible[i].push_back(value);
+        }
+      }
+    }
+    return possible;
+  }
+
   DomainKnowledge knowledge;
+  GroundLiterals literals;
   std::vector<GroundFluent> fluents;
   std::unordered_map<std::string, std::size_t> number;  // of a fluent, by name
   std::vector<std::vector<std::string>>
@@ -179,7 +220,7 @@ void Situations::check(const std::vector<Record>& records) const
   static_cast<void>(impl_->checked(records));
 }
 
-std::optional<Situation> Situations::next(const Situation& situation)
+std::optional<Situations::Later> Situations::next(const Situation& situation)
 {
   DomainKnowledge& knowledge = impl_->knowledge;
   const DomainKnowledge::Question question(knowledge, {}, "progression");
@@ -193,7 +234,8 @@ std::optional<Situation> Situations::next(const Situation& situation)
     {
       return std::nullopt;
     }
-    return Situation(settledBeginning(*progressed.beginning), {});
+    return Later{Situation(settledBeginning(*progressed.beginning), {}),
+                 paidForExceptions(progressed.beginning->level({}))};
   }
   catch (const FailedPrecondition&)
   {
@@ -203,29 +245,65 @@ std::optional<Situation> Situations::next(const Situation& situation)
 
 std::optional<Situations::PossibleValues> Situations::possibleValues(const Situation& situation)
 {
-  DomainKnowledge& knowledge = impl_->knowledge;
-  const DomainKnowledge::Question question(knowledge, {}, "entailment");
-  const int step = stepOf(situation.beginning_);
-  const HistoryProgram program = knowledge.program().beginningAt(situation.beginning_);
-  const std::vector<CheckedRecord> records = impl_->checked(situation.records_);
-  const auto optimum = findOptimum(program, records, step, knowledge.options().diagnose_exogenous);
-  if (!optimum)
+  return impl_->valuesOf(situation.beginning_, situation.records_, false);
+}
+
+std::optional<Situations::PossibleValues> Situations::valuesAtAnyPrice(const Situation& situation)
+{
+  return impl_->valuesOf(situation.beginning_, situation.records_, true);
+}
+
+std::optional<int> Situations::priceOfExceptions(const Situation& situation)
+{
+  const DomainKnowledge::Question question(impl_->knowledge, {}, "diagnosis");
+  const auto optimum = impl_->optimum(impl_->knowledge.program().beginningAt(situation.beginning_),
+                                      impl_->checked(situation.records_));
+  if (!optimum || optimum->assumable.exogenous)
   {
     return std::nullopt;
   }
-  const Consequences consequences(knowledge.description(), program, records, step, *optimum);
-  PossibleValues possible(impl_->fluents.size());
-  for (std::size_t i = 0; i < possible.size(); ++i)
+  return optimum->price.assumptions;
+}
+
+bool Situations::exceptionsCostOne() const
+{
+  const ReasonerOptions& options = impl_->knowledge.options();
+  return options.exception_weight == 1 && options.default_weights.empty();
+}
+
+std::vector<std::size_t> Situations::contraryTo(const std::vector<Record>& records,
+                                                const Literal& literal) const
+{
+  const Literal wanted = normalized(literal, impl_->knowledge.description());
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < records.size(); ++i)
   {
-    for (const std::string& value : impl_->fluents[i].values)
+    const CheckedRecord checked = checkRecord(records[i], impl_->knowledge.symbols());
+    if (!checked.isAction() && contradicts(checked.literal, wanted))
     {
-      if (consequences.inSome(literalOf(impl_->fluents[i], value), step))
-      {
-        possible[i].push_back(value);
-      }
+      indices.push_back(i);
     }
   }
-  return possible;
+  return indices;
+}
+
+Situation Situations::without(const Situation& situation, const Literal& contrary_to) const
+{
+  std::vector<Record> kept = situation.records_;
+  const auto indices = contraryTo(kept, contrary_to);
+  for (auto index = indices.rbegin(); index != indices.rend(); ++index)
+  {
+    kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(*index));
+  }
+  return {situation.beginning_, std::move(kept)};
+}
+
+Retraction Situations::retraction(const std::vector<Record>& records,
+                                  std::vector<std::size_t> indices, const Literal& opened) const
+{
+  const Description& description = impl_->knowledge.description();
+  return retractionOf(records, std::move(indices),
+                      toString(normalized(opened, description), description));
 }
 
 Situations::PossibleValues Situations::renamed(const PossibleValues& values,
@@ -313,8 +391,7 @@ PlanResult Situations::renamed(const PlanResult& plans, const Renaming& to) cons
     for (const std::string& literal : plan.hypothesis)
     {
       const std::string there = to.ofText(literal);
-      const Atom atom = parseGroundLiteral(there, impl_->knowledge.description()).atom;
-      hypothesis.emplace(impl_->number.at(toString(atom)), there);
+      hypothesis.emplace(impl_->number.at(toString(impl_->literals.of(there).atom)), there);
     }
     plan.hypothesis.clear();
     for (const auto& entry : hypothesis)

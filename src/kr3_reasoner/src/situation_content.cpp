@@ -313,15 +313,21 @@ BeginningComponent renamed(const BeginningComponent& component, const Renaming& 
   return result;
 }
 
-/// With prices in place of what was assumed, of each row above the cheapest one.
-BeginningComponent priced(const BeginningComponent& component, const std::string& name)
+int leastPrice(const BeginningComponent& component)
 {
-  BeginningComponent result{component.fluents, {}, component.rows};
   int least = std::numeric_limits<int>::max();
   for (const BeginningRow& row : component.rows)
   {
     least = std::min(least, priceOf(row, component));
   }
+  return least;
+}
+
+/// With prices in place of what was assumed, of each row above the cheapest one.
+BeginningComponent priced(const BeginningComponent& component, const std::string& name)
+{
+  BeginningComponent result{component.fluents, {}, component.rows};
+  const int least = leastPrice(component);
   std::map<int, std::size_t> numbers;
   for (const BeginningRow& row : component.rows)
   {
@@ -399,6 +405,36 @@ std::shared_ptr<const Beginning> renamedBeginning(const std::shared_ptr<const Be
     result->levels[indexOf({exogenous, true})] = shared;
   }
   return result;
+}
+
+std::optional<int> paidForExceptions(const BeginningLevel& level)
+{
+  if (!level.consistent)
+  {
+    return std::nullopt;
+  }
+  int paid = 0;
+  for (const BeginningComponent& component : level.components)
+  {
+    std::set<int> for_failures;
+    for (const BeginningRow& row : component.rows)
+    {
+      for (const auto& explanation : row.explanations)
+      {
+        for_failures.insert(std::accumulate(explanation.begin(), explanation.end(), 0,
+                                            [&](int sum, std::size_t i) {
+          const CarriedAssumption& assumption = component.assumptions[i];
+          return sum + (assumption.what.match("fail", 2) ? assumption.price : 0);
+        }));
+      }
+    }
+    if (for_failures.size() > 1)
+    {
+      return std::nullopt;
+    }
+    paid += leastPrice(component) - *for_failures.begin();
+  }
+  return paid;
 }
 
 std::shared_ptr<const Beginning> settledBeginning(const Beginning& beginning)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,5 +39,10 @@ using Said = std::vector<std::vector<std::string>>;
 /// nothing that comes later depends on what was paid for, or on what all rows had to pay.
 /// @pre no level takes records to be wrong
 [[nodiscard]] std::shared_ptr<const Beginning> settledBeginning(const Beginning& beginning);
+
+/// What all rows had to pay there for exceptions to defaults, which a settled level leaves out.
+/// Nothing where it depends on the row, or on the explanation, what was paid for anything else.
+/// @pre no exogenous actions, and no records that are wrong
+[[nodiscard]] std::optional<int> paidForExceptions(const BeginningLevel& level);
 
 }  // namespace kr3::reasoner

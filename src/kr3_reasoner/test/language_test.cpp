@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "kr3_reasoner/ground_literals.hpp"
 #include "kr3_reasoner/reasoner.hpp"
 #include "support.hpp"
 
@@ -90,6 +91,25 @@ TEST(Language, GroundLiteralsAndGoalsAreChecked)
               static_cast<void>(parseGoal("loc(tb1) = office and", office));
             }).find("found the end"),
             std::string::npos);
+}
+
+TEST(GroundLiterals, AreThoseThatAreParsedOneByOneEachTextOnce)
+{
+  const Description office = readDescription(kOffice + "domain.kr3");
+  GroundLiterals literals(office);
+  for (const char* text : {"loc(tb1)=office", "-in_hand(rob1,tb1)", "loc(tb1) = office"})
+  {
+    const Literal* const first = &literals.of(text);
+    EXPECT_EQ(toString(*first), toString(parseGroundLiteral(text, office)));
+    EXPECT_EQ(&literals.of(text), first);
+  }
+  for (int i = 0; i < 2; ++i)
+  {
+    EXPECT_NE(errorOf([&] {
+                static_cast<void>(literals.of("loc(tb1) = ofice"));
+              }).find("did you mean 'office'?"),
+              std::string::npos);
+  }
 }
 
 TEST(Language, HistoriesRoundTripAndNameTheirMistakes)

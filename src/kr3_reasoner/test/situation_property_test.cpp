@@ -168,7 +168,7 @@ TEST(Situations, AnswerAsTheHistoriesThatComeToThem)
       {
         break;
       }
-      rename(*next);
+      rename(next->situation);
     }
   }
   std::cout << compared << " situations compared, " << renamed << " of them under other names, "
@@ -205,7 +205,7 @@ RenamedSituation searched(Situations& situations, const std::vector<std::string>
   for (const std::string& room : rooms)
   {
     tell(RecordKind::kHappened, "move(rob1, " + room + ")", true);
-    const RenamedSituation next = situations.canonical(*situations.next(now.situation));
+    const RenamedSituation next = situations.canonical(situations.next(now.situation)->situation);
     now = {next.situation, now.renaming.then(next.renaming)};
     tell(RecordKind::kObserved, "loc(t1) = " + room, false);
   }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <kr3_reasoner/ground_literals.hpp>
 #include <kr3_reasoner/situation.hpp>
 
 #include "kr3_executive/content_cache.hpp"
@@ -21,6 +22,7 @@ struct KnownSituation
 {
   reasoner::RenamedSituation renamed;
   Fingerprint key;
+  std::optional<int> paid = 0;  ///< Situations::Later::paid of the step to it
 };
 
 /// Answers about histories, for reasoners of several threads. Thread-safe.
@@ -37,6 +39,8 @@ struct ReasonerCache
   ContentCache<std::optional<KnownSituation>> situations;  ///< the next one
   ContentCache<KnownSituation> named;                      ///< with more records, or for a goal
   ContentCache<std::optional<reasoner::Situations::PossibleValues>> values;
+  ContentCache<std::optional<reasoner::Situations::PossibleValues>> values_at_any_price;
+  ContentCache<std::optional<int>> exceptions;  ///< their price
   ContentCache<reasoner::PlanResult> situation_plans;
 };
 
@@ -86,6 +90,7 @@ public:
   reasoner::Diagnosis diagnose() override;
   reasoner::Diagnosis minimalExplanations() override;
   bool isConsistent() override;
+  std::optional<int> numExceptions() override;
   reasoner::Answer entails(const std::string& literal, int step) override;
   bool possible(const std::string& literal, int step) override;
   std::vector<std::string> entailedAt(int step) override;
@@ -113,6 +118,7 @@ private:
     std::shared_ptr<const KnownSituation> situation;
     reasoner::Renaming renaming;  ///< from the history's names
     int step = 0;
+    std::optional<int> paid = 0;  ///< for exceptions to defaults before this step
     /// By the situation's names, and by the history's; found when they are first needed.
     std::shared_ptr<const reasoner::Situations::PossibleValues> values_there = {};
     std::optional<reasoner::Situations::PossibleValues> values = {};
@@ -134,9 +140,18 @@ private:
   static void become(Present& present, std::shared_ptr<const KnownSituation> other);
   /// Of the current step, by the situation's names; nullptr when it is not followed.
   [[nodiscard]] const reasoner::Situations::PossibleValues* valuesThere();
+  using KnownValues = std::shared_ptr<const std::optional<reasoner::Situations::PossibleValues>>;
+  [[nodiscard]] KnownValues valuesOf(const KnownSituation& situation);
+  [[nodiscard]] KnownValues valuesAtAnyPrice(const KnownSituation& situation);
   /// The values at a step, when the situation is followed and that is the current step.
   [[nodiscard]] const reasoner::Situations::PossibleValues* valuesAt(int step);
   [[nodiscard]] std::optional<reasoner::Answer> answerAt(const std::string& literal, int step);
+  /// retractions() for a literal that is false at the current step: what contradicts it there, when
+  /// giving that up is all that it takes. Nothing where the situation does not tell.
+  [[nodiscard]] std::optional<std::vector<reasoner::Retraction>> situationRetractions(
+      const std::string& literal);
+  [[nodiscard]] std::shared_ptr<const KnownSituation> withoutContrary(
+      const KnownSituation& situation, const reasoner::Literal& there);
   [[nodiscard]] std::optional<reasoner::PlanResult> situationPlan(const std::string& goal,
                                                                   std::uint32_t max_plans,
                                                                   const std::atomic<bool>& cancel);
@@ -163,6 +178,7 @@ private:
 
   std::shared_ptr<ReasonerCache> cache_;
   reasoner::Description description_;
+  reasoner::GroundLiterals literals_;
   reasoner::PlanOptions options_;
   ReasonerSettings settings_;
   std::shared_ptr<InProcessReasoner> reasoner_;

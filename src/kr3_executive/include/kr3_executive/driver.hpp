@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include <kr3_reasoner/ground_literals.hpp>
 #include <kr3_refinement/low_level_domain.hpp>
 #include <kr3_refinement/models.hpp>
 
@@ -147,9 +148,21 @@ private:
   [[nodiscard]] std::string believedValue(const std::string& fluent) const;
   [[nodiscard]] std::optional<Event> interruption();
   [[nodiscard]] Event afterObservation(const LowLevelAction& action, bool explained);
+  struct Believed
+  {
+    int step;
+    std::vector<reasoner::Literal> entailed;
+    std::map<std::vector<std::string>, std::vector<reasoner::Literal>> states;  // by hypothesis
+  };
+  /// What is entailed now, but for values that are excluded, and states that were asked for.
+  [[nodiscard]] Believed& believedNow();
+  /// The history is another one.
+  void forgetAnswers();
   /// What is entailed now, and what is assumed where nothing is.
-  [[nodiscard]] std::vector<reasoner::Literal> believedState(
+  [[nodiscard]] const std::vector<reasoner::Literal>& believedState(
       const std::vector<std::string>& hypothesis);
+  [[nodiscard]] std::vector<reasoner::Literal> withAssumed(
+      std::vector<reasoner::Literal> state, const std::vector<std::string>& hypothesis);
   [[nodiscard]] Support supportOf(const std::string& literal);
   [[nodiscard]] Support supportOf(const std::string& literal, int step);
   [[nodiscard]] Support findSupport(const std::string& literal, int step);
@@ -189,7 +202,9 @@ private:
   std::map<std::string, double> surprises_without_;
   std::vector<ExplainedFact> facts_;
   std::map<std::pair<std::string, int>, Support> supports_;  // of the present history
-  std::map<std::string, std::string> expected_by_default_;   // default that once gave a literal
+  std::optional<Believed> believed_;                         // of the present history
+  reasoner::GroundLiterals literals_;
+  std::map<std::string, std::string> expected_by_default_;  // default that once gave a literal
   std::uint32_t sequence_ = 0;
   std::uint32_t num_decisions_ = 0;
   std::optional<double> deadline_s_;

@@ -86,15 +86,45 @@ public:
   /// @throws InvalidArgument  a record does not fit the description
   void check(const std::vector<Record>& records) const;
 
+  struct Later
+  {
+    Situation situation;
+    /// What each combination had to pay for exceptions to defaults besides what it pays above the
+    /// cheapest one. Nothing where something else was assumed, but the same failures by all.
+    std::optional<int> paid;
+  };
+
   /// One step later, when the actions among its records have occurred. Nothing when a record would
   /// have to be taken to be wrong, or when there are too many combinations of values to keep.
-  [[nodiscard]] std::optional<Situation> next(const Situation& situation);
+  [[nodiscard]] std::optional<Later> next(const Situation& situation);
+
+  /// The least price of exceptions to defaults that explain the situation alone, besides what
+  /// Later::paid says; nothing when they do not.
+  [[nodiscard]] std::optional<int> priceOfExceptions(const Situation& situation);
+
+  /// Whether each exception costs one, so that a price is their number.
+  [[nodiscard]] bool exceptionsCostOne() const;
 
   /// The values that each ground fluent takes in some model, in the order of its sort; shape
   /// [fluents], in the order of declaration. Nothing when a record would have to be taken to be
   /// wrong.
   using PossibleValues = std::vector<std::vector<std::string>>;
   [[nodiscard]] std::optional<PossibleValues> possibleValues(const Situation& situation);
+
+  /// The same in models at any price: with the kinds of assumption that explain the situation, but
+  /// as many as are needed.
+  [[nodiscard]] std::optional<PossibleValues> valuesAtAnyPrice(const Situation& situation);
+
+  /// Indices of the observations that say the contrary of a literal, whenever they say so.
+  [[nodiscard]] std::vector<std::size_t> contraryTo(const std::vector<Record>& records,
+                                                    const Literal& literal) const;
+  /// The situation without these observations of its step.
+  [[nodiscard]] Situation without(const Situation& situation, const Literal& contrary_to) const;
+  /// As Reasoner::retractionsFor, when these records are given up.
+  /// @param indices  of the records, in the history
+  [[nodiscard]] Retraction retraction(const std::vector<Record>& records,
+                                      std::vector<std::size_t> indices,
+                                      const Literal& opened) const;
 
   /// The same under other names.
   [[nodiscard]] PossibleValues renamed(const PossibleValues& values, const Renaming& to) const;
