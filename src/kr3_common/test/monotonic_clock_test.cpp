@@ -10,6 +10,8 @@ namespace
 class MonotonicClockTest : public testing::Test
 {
 protected:
+  MonotonicClockTest() { ros::Time::init(); }
+
   [[nodiscard]] double at(double time_s)
   {
     ros::Time::setNow(ros::Time(time_s));
