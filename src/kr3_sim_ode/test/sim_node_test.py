@@ -3,6 +3,7 @@
 import math
 import pathlib
 import subprocess
+import sys
 import time
 import unittest
 
@@ -180,6 +181,21 @@ class SimNodeTest(unittest.TestCase):
         self.assertEqual(none.status.code, Status.INVALID_ARGUMENT)
         self.call("simulation/resume", Trigger)
         self.assertGreater(self.clock.next().clock, second.now)
+
+    def test_who_comes_while_time_stands_hears_the_time(self):
+        self.call("simulation/pause", Trigger)
+        now = self.call("simulation/step", StepSimulation, 5).now
+        program = (
+            "import rospy; from rosgraph_msgs.msg import Clock; rospy.init_node('late', anonymous=True);"
+            "print(rospy.wait_for_message('/clock', Clock).clock.to_nsec())"
+        )
+        late = subprocess.run(
+            [sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True
+        )
+        self.call("simulation/resume", Trigger)
+        heard = rospy.Time(nsecs=int(late.stdout)) if late.stdout else None
+        self.assertIsNotNone(heard, late.stderr)
+        self.assertLess(abs((now - heard).to_sec()), 0.011)  # the clock has a period of 0.01 s
 
     def test_the_clock_never_runs_backwards(self):
         self.call("simulation/reset", Trigger)

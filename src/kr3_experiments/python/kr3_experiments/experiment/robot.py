@@ -108,14 +108,17 @@ class _Setting:
                 content.update(name.encode() + b"\0" + file.read_bytes())
         return content.hexdigest()[:12]
 
+    @functools.cached_property
+    def _furnished(self) -> List[str]:
+        return furnished_places(self.domain)
+
     def draw(self, seed: int) -> _Draw:
         """The mission with this seed. @throws Kr3Error  building.yaml is malformed"""
         draws = random.Random(seed)
         usual = self.domain.target.may_be_at[0]
-        furnished = furnished_places(self.domain)
         start = draws.choice(sorted(self.domain.places))
-        goal_place = draws.choice([place for place in furnished if place != usual])
-        elsewhere = [place for place in furnished if place not in (usual, goal_place)]
+        goal_place = draws.choice([place for place in self._furnished if place != usual])
+        elsewhere = [place for place in self._furnished if place not in (usual, goal_place)]
         obeys = draws.random() < _OBEY or not elsewhere
         return _Draw(start, goal_place, usual if obeys else draws.choice(elsewhere))
 
