@@ -19,7 +19,7 @@ if [ "$system" = "debian 12" ]; then good "Debian 12"; else warn "this is '$syst
 free_mb=$(($(df -Pk "$root" | awk 'NR == 2 { print $4 }') / 1024))
 if [ "$free_mb" -ge 6144 ]; then
   good "$free_mb MB free"
-elif [ -n "$(built_from nodes)" ] && [ "$free_mb" -ge 1024 ]; then
+elif is_built nodes && [ "$free_mb" -ge 1024 ]; then
   good "$free_mb MB free, enough to run what is built"
 else
   warn "$free_mb MB free: set-up and build need 6 GB"
@@ -41,7 +41,7 @@ else
   warn "clingo $(clingo_version) is not built yet (./kr3 setup builds it)"
 fi
 
-if [ -n "$(built_from nodes)" ]; then
+if is_built nodes; then
   good "the workspace is built"
   enter_workspace
   rosrun kr3_experiments kr3_cli doctor || status=1

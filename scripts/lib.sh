@@ -42,9 +42,12 @@ built_from() {
   cat "$stamp" 2> /dev/null || true
 }
 
+# is_built all|nodes
+is_built() { [ -n "$(built_from "$1")" ]; }
+
 # require_workspace all|nodes
 require_workspace() {
-  [ -n "$(built_from "$1")" ] || fail "the workspace is not built yet: run ./kr3 build"
+  is_built "$1" || fail "the workspace is not built yet: run ./kr3 build"
 }
 
 # run_logged TITLE LOG COMMAND...: the output goes to LOG; the terminal gets one line that counts the seconds and, where

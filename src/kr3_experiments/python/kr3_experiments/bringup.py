@@ -43,7 +43,6 @@ class World:
     )
     told: bool = False  # the robot is told where the target is: an oracle to compare with
     lockstep: bool = False  # the simulation waits for the nodes
-    has_own_scenario: bool = False  # the domain's records are not those of its scenario file
 
 
 def add_domain_argument(parser: argparse.ArgumentParser) -> None:
@@ -127,7 +126,6 @@ def world_from(args: argparse.Namespace) -> World:
         args.models,
         args.told,
         args.lockstep,
-        has_own_scenario=args.start is not None,
     )
 
 
@@ -148,13 +146,13 @@ def stack_variables(world: World, run_dir: Path) -> Dict[str, Any]:
 
 def _scenario_file(world: World, run_dir: Path) -> Path:
     """The domain's own, or one with the records of this world and, for who is told, of where the target is."""
-    if not (world.told or world.has_own_scenario):
-        return world.domain.scenario_file
-    scenario = dict(read_mapping(world.domain.scenario_file))
+    scenario = read_mapping(world.domain.scenario_file)
     records = list(world.domain.initial_records)
     if world.told:
         statement = f"{world.domain.target_fluent()} = {world.target_at}"
         records.append({"kind": "init", "statement": statement, "value": True})
+    if records == scenario["initial_records"]:
+        return world.domain.scenario_file
     scenario.update(initial_records=records, goal=world.domain.goal)
     file = run_dir / "scenario.yaml"
     file.write_text(yaml.safe_dump(scenario, sort_keys=False), encoding="utf-8")

@@ -3,7 +3,7 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Collection, Dict, List, Mapping
+from typing import Any, Collection, Dict, List, Mapping, Optional
 
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.yaml_file import read_mapping
@@ -68,12 +68,20 @@ class Domain:
         """The OctoMap of the building."""
         return self.folder / "map.bt"
 
-    def placements_with_target(self, place: str) -> List[str]:
-        """ "object=place" for every object that is not where the building has it. @throws Kr3Error  unknown place"""
+    def require_place(self, place: str) -> None:
+        """@throws Kr3Error  it is no place of the domain"""
         if place not in self.places:
             raise Kr3Error(
                 f"'{place}' is no place of the domain {self.name}: there are {', '.join(sorted(self.places))}"
             )
+
+    def place_at(self, x: float, y: float) -> Optional[str]:
+        """The place of a point of the map frame, m; None outside of all."""
+        return next((name for name, area in self.places.items() if area.contains(x, y)), None)
+
+    def placements_with_target(self, place: str) -> List[str]:
+        """ "object=place" for every object that is not where the building has it. @throws Kr3Error  unknown place"""
+        self.require_place(place)
         placements = {**self.placements, self.target.object: place}
         return [f"{item}={where}" for item, where in sorted(placements.items())]
 

@@ -25,7 +25,7 @@ def check_fetched(domain: Domain, positions: Mapping[str, Position], held: str) 
     if position is None:
         return Verdict(False, f"{target.object} is not among the bodies of the simulated world")
     x, y, _ = position
-    where = next((name for name, area in domain.places.items() if area.contains(x, y)), "no place")
+    where = domain.place_at(x, y) or "no place"
     if held == target.object:
         return Verdict(False, f"the robot still holds {target.object}, in {where}")
     at = f"{target.object} is at ({x:.2f}, {y:.2f}) m, in {where}"

@@ -3,10 +3,9 @@ import math
 import random
 import re
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, List, Mapping
 
-from kr3_experiments.domain import Domain, Rectangle
+from kr3_experiments.domain import Domain
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.yaml_file import read_mapping
 
@@ -40,7 +39,7 @@ def with_goal_place(domain: Domain, place: str) -> Domain:
 
     @throws Kr3Error  unknown place, or the goal does not say where the target has to be
     """
-    _require_place(domain, place)
+    domain.require_place(place)
     fluent, old = domain.target_fluent(), domain.target.goal_place
     goal = re.sub(
         rf"({re.escape(fluent)}\s*=\s*){re.escape(old)}\b", rf"\g<1>{place}", domain.goal, count=1
@@ -54,9 +53,8 @@ def with_start(domain: Domain, place: str, seed: int) -> Domain:
     @param seed  of the pose
     @throws Kr3Error  unknown place; no free floor; no single record says where the robot starts
     """
-    _require_place(domain, place)
-    x, y, yaw = domain.robot_start
-    before = next((name for name, area in domain.places.items() if area.contains(x, y)), None)
+    domain.require_place(place)
+    before = domain.place_at(*domain.robot_start[:2])
     pattern = re.compile(rf"(\s*\w+\([^()]*\)\s*=\s*){before}\s*")
     records = [dict(record) for record in domain.initial_records]
     found = [
@@ -82,16 +80,9 @@ def furnished_places(domain: Domain) -> List[str]:
     return sorted({item.place for item in _furniture(domain)} & set(domain.places))
 
 
-def _require_place(domain: Domain, place: str) -> None:
-    if place not in domain.places:
-        raise Kr3Error(
-            f"'{place}' is no place of the domain {domain.name}: there are {', '.join(sorted(domain.places))}"
-        )
-
-
 def _free_pose(domain: Domain, place: str, draws: random.Random) -> List[float]:
     """x, y in m, yaw in rad."""
-    area: Rectangle = domain.places[place]
+    area = domain.places[place]
     furniture = _furniture(domain)
     for _ in range(_MOST_TRIES):
         x = draws.uniform(area.x_min, area.x_max)
@@ -103,7 +94,7 @@ def _free_pose(domain: Domain, place: str, draws: random.Random) -> List[float]:
 
 
 def _furniture(domain: Domain) -> List[_Furniture]:
-    file: Path = domain.folder / "building.yaml"
+    file = domain.folder / "building.yaml"
     building: Mapping[str, Any] = read_mapping(file)
     items = []
     try:

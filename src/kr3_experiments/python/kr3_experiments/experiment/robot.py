@@ -99,9 +99,10 @@ class _Setting:
         folder = self.domain.folder
         files = {str(file.relative_to(folder)): file for file in folder.rglob("*")}
         files["stack"] = package_config("stack.yaml")
+        packages = rospkg.RosPack()
         for spec in load_stack(files["stack"], None):
             if spec.config is not None:
-                package = Path(rospkg.RosPack().get_path(spec.package))
+                package = Path(packages.get_path(spec.package))
                 files[f"{spec.package}/{spec.config}"] = package / spec.config
         for name, file in sorted(files.items()):
             if file.is_file():
