@@ -162,22 +162,16 @@ void CachedReasoner::follow(const std::vector<Record>& records, bool anew)
     present_.reset();
 }
 
-CachedReasoner::KnownValues CachedReasoner::valuesOf(const KnownSituation& situation)
+CachedReasoner::KnownValues CachedReasoner::valuesOf(const KnownSituation& situation, Price price)
 {
-  if (auto known = cache_->values.find(situation.key))
+  const bool least = price == Price::kLeast;
+  auto& cache = least ? cache_->values : cache_->values_at_any_price;
+  if (auto known = cache.find(situation.key))
     return known;
-  auto values = situations_->possibleValues(situation.renamed.situation);
+  const auto& now = situation.renamed.situation;
+  auto values = least ? situations_->possibleValues(now) : situations_->valuesAtAnyPrice(now);
   const std::size_t bytes = values ? sizeOf(*values) : sizeof values;
-  return cache_->values.keep(situation.key, std::move(values), bytes);
-}
-
-CachedReasoner::KnownValues CachedReasoner::valuesAtAnyPrice(const KnownSituation& situation)
-{
-  if (auto known = cache_->values_at_any_price.find(situation.key))
-    return known;
-  auto values = situations_->valuesAtAnyPrice(situation.renamed.situation);
-  const std::size_t bytes = values ? sizeOf(*values) : sizeof values;
-  return cache_->values_at_any_price.keep(situation.key, std::move(values), bytes);
+  return cache.keep(situation.key, std::move(values), bytes);
 }
 
 const Situations::PossibleValues* CachedReasoner::valuesThere()
@@ -186,7 +180,7 @@ const Situations::PossibleValues* CachedReasoner::valuesThere()
     return nullptr;
   if (present_->values_there)
     return present_->values_there.get();
-  const auto known = valuesOf(*present_->situation);
+  const auto known = valuesOf(*present_->situation, Price::kLeast);
   if (!*known)
     return nullptr;
   present_->values_there = {known, &**known};
@@ -253,7 +247,7 @@ std::optional<std::vector<reasoner::Retraction>> CachedReasoner::situationRetrac
     return answer && *answer != Answer::kFalse;
   };
   const KnownSituation& situation = *present_->situation;
-  if (isPossible(valuesAtAnyPrice(situation)))
+  if (isPossible(valuesOf(situation, Price::kAny)))
     return std::vector<reasoner::Retraction>{};  // it is only less plausible
   const std::vector<Record> all = records();
   std::vector<std::size_t> contrary;
@@ -273,7 +267,7 @@ std::optional<std::vector<reasoner::Retraction>> CachedReasoner::situationRetrac
   if (std::any_of(contrary.begin(), contrary.end(),
                   [&](std::size_t index) { return all[index].confidence >= 1.0; }))
     return std::vector<reasoner::Retraction>{};
-  if (!isPossible(valuesOf(*withoutContrary(situation, there))))
+  if (!isPossible(valuesOf(*withoutContrary(situation, there), Price::kLeast)))
     return std::nullopt;
   return std::vector<reasoner::Retraction>{
       situations_->retraction(all, std::move(contrary), wanted)};

@@ -16,8 +16,7 @@ namespace kr3::reasoner
 {
 
 /// The ground fluents on which a goal, or the explanation of some records, can depend: a fixpoint
-/// over the ground instances of the rules, which are made on demand. Private to the
-/// package.
+/// over the ground instances of the rules, which are made on demand. Private to the package.
 ///
 /// *Constants of the history.* A fluent that is known initially, that no constraint ties to others,
 /// and that no occurred action, exogenous action, constraint or useful action changes keeps its

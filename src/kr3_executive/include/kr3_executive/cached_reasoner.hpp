@@ -141,8 +141,13 @@ private:
   /// Of the current step, by the situation's names; nullptr when it is not followed.
   [[nodiscard]] const reasoner::Situations::PossibleValues* valuesThere();
   using KnownValues = std::shared_ptr<const std::optional<reasoner::Situations::PossibleValues>>;
-  [[nodiscard]] KnownValues valuesOf(const KnownSituation& situation);
-  [[nodiscard]] KnownValues valuesAtAnyPrice(const KnownSituation& situation);
+  enum class Price
+  {
+    kLeast,
+    kAny,
+  };
+  /// The values in models at this price, from the cache.
+  [[nodiscard]] KnownValues valuesOf(const KnownSituation& situation, Price price);
   /// The values at a step, when the situation is followed and that is the current step.
   [[nodiscard]] const reasoner::Situations::PossibleValues* valuesAt(int step);
   [[nodiscard]] std::optional<reasoner::Answer> answerAt(const std::string& literal, int step);
