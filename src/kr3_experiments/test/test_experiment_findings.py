@@ -16,6 +16,7 @@ from kr3_experiments.experiment.accuracy import Accuracy
 from kr3_experiments.experiment.default_bias import DefaultBias
 from kr3_experiments.experiment.defaults import Defaults
 from kr3_experiments.experiment.definition import Options, Table, plot, save_figures
+from kr3_experiments.experiment.planning_time import PlanningTime
 from kr3_experiments.experiment.points import TargetRule, configurations
 from kr3_experiments.experiment.report import table_text, write_report
 from kr3_experiments.experiment.robot import Robot
@@ -80,6 +81,44 @@ def test_defaults_says_when_the_paper_is_contradicted() -> None:
     found = Defaults().findings(rows, QUICK)
     assert all("against the paper, defaults cost actions" in text for text in found.statements)
     assert "1.50 (1.50, 1.50)" in found.statements[0]
+
+
+def test_default_bias_does_not_take_missions_that_end_early_and_wrong_for_fast_ones() -> None:
+    rows = [outcome(seed, method="pa", bias=0.0, target="exceptional") for seed in range(40)]
+    for bias, factor, success in ((0.5, 0.8, True), (0.9, 0.5, False), (0.99, 2.0, True)):
+        for seed in range(40):
+            row = outcome(seed, success, method="pomdp2", bias=bias, target="exceptional")
+            row["duration_s"] *= factor
+            rows.append(row)
+    time, success = DefaultBias().findings(rows, QUICK).statements
+    assert "fastest at p = 0.5 and slowest at p = 0.99" in time
+    assert "succeeds in 0.000 (0.000, 0.088) at p = 0.9" in success
+    assert success.endswith("PA in 1.000 (0.912, 1.000).")
+
+
+def test_planning_time_tells_floors_that_are_too_large_and_where_each_method_can_still_act() -> (
+    None
+):
+    times = {
+        (10, 10): {"all": 0.4, "relevant": 0.1, "relevant + 20 %": 0.2},
+        (10, 1): {"PA": 0.03, "POMDP-1 online": 0.02, "POMDP-1 ahead": 3.0},
+        (20, 1): {"PA": 0.04, "POMDP-1 online": 0.02, "POMDP-1 ahead": 0.01},
+    }
+    rows = [
+        {
+            **outcome(seed),
+            **{"rooms": rooms, "objects": objects, "knowledge": name, "cpu_s": cpu_s},
+            "steps": 0 if (rooms, name) == (20, "POMDP-1 ahead") else 1,
+        }
+        for (rooms, objects), each in times.items()
+        for name, cpu_s in each.items()
+        for seed in range(3)
+    ]
+    found = PlanningTime().findings(rows, QUICK)
+    assert "4 times less" in found.statements[0]
+    assert "POMDP-1 online after 0.020 s with 20 rooms" in found.statements[1]
+    assert "POMDP-1 ahead after 3.000 s with 10 rooms" in found.statements[1]
+    assert [row[-1] == "too large" for row in found.tables[1].rows] == [False, True]
 
 
 @pytest.mark.parametrize("trials", [0, 1])
