@@ -359,6 +359,8 @@ Support MissionDriver::findSupport(const std::string& literal, int step)
   }
   if (seen != nullptr)
     return {seen->confidence, "observed at step " + std::to_string(seen->step)};
+  if (const auto left = step == state_.step ? supportByElimination(literal) : std::nullopt)
+    return *left;
 
   const reasoner::Explanation why = reasoner_.explain(literal, step);
   const std::string by_default = narrator_.defaultIn(why);
@@ -374,10 +376,34 @@ Support MissionDriver::findSupport(const std::string& literal, int step)
     if (std::find(why.records.begin(), why.records.end(), text) != why.records.end())
       probability *= record.confidence;
   }
-  // What is entailed because all else was refuted is no worse a guess than what is only assumed: it
-  // must not be refuted by the mere number of the others.
   return {std::max(probability, config_.least_hypothesis_probability),
           why.reasons.empty() ? std::string() : why.reasons.back()};
+}
+
+std::optional<Support> MissionDriver::supportByElimination(const std::string& literal) const
+{
+  const LiteralText asked = takeApart(literal);
+  const auto* fluent = domain_.highLevel().findFluent(asked.symbol);
+  if (fluent == nullptr || !fluent->value_sort || !asked.equal)
+    return std::nullopt;
+  const Refutations open = openRefutations(asked.fluent());
+  std::set<std::size_t> rests_on;
+  for (const auto& value : domain_.highLevel().findSort(*fluent->value_sort)->elements)
+  {
+    const auto refuted = open.find(value);
+    if (value == asked.value)
+      continue;
+    if (refuted == open.end())
+      return std::nullopt;
+    rests_on.insert(refuted->second.front());
+  }
+  double probability = 1.0;
+  for (const std::size_t index : rests_on)
+    probability *= knowledge_.history[index].confidence;
+  // No worse a guess than what is only assumed: it must not be refuted by the mere number of the
+  // others.
+  return Support{std::max(probability, config_.least_hypothesis_probability),
+                 "every other value was observed to be false"};
 }
 
 bool MissionDriver::mayHaveChanged(const std::string& fluent) const

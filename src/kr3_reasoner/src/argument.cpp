@@ -43,25 +43,24 @@ Leaves common(const Leaves& a, const Leaves& b)
           common(a.assumed, b.assumed), b.laws};
 }
 
-/// Drops from the leaves whatever a proof can do without. `prove` returns an inference or -1.
+/// Drops from the leaves whatever a proof can do without. What cannot be spared by all of them
+/// cannot be spared by fewer: each is tried once. `prove` returns an inference or -1.
 int minimized(Leaves& leaves, const std::function<int(const Leaves&)>& prove,
               const std::function<Leaves(int)>& leaves_of)
 {
   const auto without = [&](auto Leaves::*items) {
-    for (bool smaller = true; smaller;)
+    const auto all = leaves.*items;
+    for (auto item = all.rbegin(); item != all.rend(); ++item)
     {
-      smaller = false;
-      const auto all = leaves.*items;
-      for (auto item = all.rbegin(); item != all.rend() && !smaller; ++item)
+      Leaves fewer = leaves;
+      if ((fewer.*items).erase(*item) == 0)
       {
-        Leaves fewer = leaves;
-        (fewer.*items).erase(*item);
-        const int inference = prove(fewer);
-        if (inference >= 0)
-        {
-          leaves = common(leaves_of(inference), fewer);
-          smaller = true;
-        }
+        continue;  // gone with another one
+      }
+      const int inference = prove(fewer);
+      if (inference >= 0)
+      {
+        leaves = common(leaves_of(inference), fewer);
       }
     }
   };

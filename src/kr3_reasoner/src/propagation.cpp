@@ -16,6 +16,7 @@ int Propagation::addVariable(int size)
   known_.resize(num_literals_, -1);
   trail_place_.resize(num_literals_, 0);
   falsifies_.resize(num_literals_);
+  satisfies_.resize(num_literals_);
   num_excluded_.push_back(0);
   if (size == 1)
   {
@@ -52,16 +53,24 @@ int Propagation::find(const FiniteLiteral& literal) const
   return known_[index(literal)];
 }
 
+/// What is known but waits to be processed is counted when it is.
+bool Propagation::isProcessed(std::size_t place) const
+{
+  return known_[place] >= 0 && trail_place_[place] < num_processed_;
+}
+
 void Propagation::addClause(std::vector<FiniteLiteral> literals, int origin)
 {
-  Clause clause{std::move(literals), origin, 0};
-  for (const FiniteLiteral& literal : clause.literals)
+  Clause clause;
+  clause.origin = origin;
+  for (const FiniteLiteral& literal : literals)
   {
-    const std::size_t falsifier = index(negated(literal));
-    falsifies_[falsifier].push_back(clauses_.size());
-    // what is known but waits to be processed is counted when it is
-    const bool counts = known_[falsifier] >= 0 && trail_place_[falsifier] < num_processed_;
-    clause.num_false += counts ? 1 : 0;
+    const ClauseLiteral& added = clause.literals.emplace_back(
+        ClauseLiteral{literal, index(literal), index(negated(literal))});
+    falsifies_[added.negated].push_back(clauses_.size());
+    satisfies_[added.place].push_back(clauses_.size());
+    clause.num_false += isProcessed(added.negated) ? 1 : 0;
+    clause.num_true += isProcessed(added.place) ? 1 : 0;
   }
   clauses_.push_back(std::move(clause));
   if (clauses_.back().num_false + 1 >= clauses_.back().literals.size())
@@ -121,22 +130,27 @@ void Propagation::conclude(const FiniteLiteral& literal, int origin, std::vector
 void Propagation::concludeFrom(const Clause& clause)
 {
   const FiniteLiteral* open = nullptr;
-  std::vector<int> antecedents;
-  std::vector<int> used_at;
-  for (const FiniteLiteral& literal : clause.literals)
+  for (const auto& [literal, place, negated] : clause.literals)
   {
-    const int falsifier = find(negated(literal));
-    if (falsifier < 0)
+    if (known_[negated] >= 0)
     {
-      if (open != nullptr || find(literal) >= 0)
-      {
-        return;  // satisfied, or more than one literal is open
-      }
-      open = &literal;
       continue;
     }
-    antecedents.push_back(falsifier);
-    used_at.push_back(literal.step);
+    if (open != nullptr || known_[place] >= 0)
+    {
+      return;  // satisfied, or more than one literal is open
+    }
+    open = &literal;
+  }
+  std::vector<int> antecedents;
+  std::vector<int> used_at;
+  for (const auto& [literal, place, negated] : clause.literals)
+  {
+    if (known_[negated] >= 0)
+    {
+      antecedents.push_back(known_[negated]);
+      used_at.push_back(literal.step);
+    }
   }
   if (open != nullptr)
   {
@@ -151,10 +165,15 @@ void Propagation::concludeFrom(const Clause& clause)
 void Propagation::process(const FiniteLiteral& open)
 {
   const FiniteLiteral literal = canonical(open);
-  const int reason = find(literal);
+  const std::size_t place = index(literal);
+  const int reason = known_[place];
   const auto variable = static_cast<std::size_t>(literal.variable);
   const int size = sizes_[variable];
-  for (const std::size_t i : falsifies_[index(literal)])
+  for (const std::size_t i : satisfies_[place])
+  {
+    ++clauses_[i].num_true;
+  }
+  for (const std::size_t i : falsifies_[place])
   {
     Clause& clause = clauses_[i];
     ++clause.num_false;
@@ -281,16 +300,21 @@ void Propagation::undo(std::size_t mark)
   while (trail_.size() > mark)
   {
     const FiniteLiteral literal = canonical(trail_.back());
+    const std::size_t place = index(literal);
     if (num_processed_ == trail_.size())
     {
-      for (const std::size_t i : falsifies_[index(literal)])
+      for (const std::size_t i : satisfies_[place])
+      {
+        --clauses_[i].num_true;
+      }
+      for (const std::size_t i : falsifies_[place])
       {
         --clauses_[i].num_false;
       }
       num_excluded_[static_cast<std::size_t>(literal.variable)] -= !literal.equal ? 1 : 0;
       --num_processed_;
     }
-    known_[index(literal)] = -1;
+    known_[place] = -1;
     trail_.pop_back();
   }
   contradiction_ = -1;
@@ -305,41 +329,34 @@ int Propagation::suppose(const FiniteLiteral& literal, int& max_cases)
   return refutation;
 }
 
-/// A literal of the unsatisfied clause that is nearest to a conclusion.
+/// A literal of the unsatisfied clause that is nearest to a conclusion; all is processed.
 const FiniteLiteral* Propagation::distinction() const
 {
   constexpr std::size_t kFewest = 2;  // of one that is open propagation concludes
-  const FiniteLiteral* best = nullptr;
+  const Clause* best = nullptr;
   std::size_t fewest = 0;
   for (const Clause& clause : clauses_)
   {
     const std::size_t open = clause.literals.size() - clause.num_false;
-    if (clause.num_false == 0 || (best != nullptr && open >= fewest))
+    if (clause.num_false == 0 || clause.num_true > 0 || (best != nullptr && open >= fewest))
     {
       continue;
     }
-    const FiniteLiteral* first = nullptr;
-    bool satisfied = false;
-    for (std::size_t i = 0; i < clause.literals.size() && !satisfied; ++i)
+    best = &clause;
+    fewest = open;
+    if (fewest == kFewest)
     {
-      const FiniteLiteral& literal = clause.literals[i];
-      satisfied = find(literal) >= 0;
-      if (first == nullptr && find(negated(literal)) < 0)
-      {
-        first = &literal;
-      }
-    }
-    if (!satisfied && first != nullptr)
-    {
-      best = first;
-      fewest = open;
-      if (fewest == kFewest)
-      {
-        break;
-      }
+      break;
     }
   }
-  return best;
+  if (best == nullptr)
+  {
+    return nullptr;
+  }
+  const auto first =
+      std::find_if(best->literals.begin(), best->literals.end(),
+                   [&](const ClauseLiteral& one) { return known_[one.negated] < 0; });
+  return &first->literal;
 }
 
 int Propagation::refuteByCases(int& max_cases)

@@ -85,11 +85,18 @@ public:
   }
 
 private:
+  struct ClauseLiteral
+  {
+    FiniteLiteral literal;
+    std::size_t place = 0;    ///< its index
+    std::size_t negated = 0;  ///< of its negation
+  };
   struct Clause
   {
-    std::vector<FiniteLiteral> literals;
+    std::vector<ClauseLiteral> literals;
     int origin = 0;
-    std::size_t num_false = 0;
+    std::size_t num_false = 0;  ///< of its literals, as far as the trail is processed
+    std::size_t num_true = 0;   ///< likewise
   };
   struct FoundedRule
   {
@@ -101,6 +108,7 @@ private:
   [[nodiscard]] FiniteLiteral canonical(FiniteLiteral literal) const;
   [[nodiscard]] FiniteLiteral negated(FiniteLiteral literal) const;
   [[nodiscard]] std::size_t index(const FiniteLiteral& literal) const;
+  [[nodiscard]] bool isProcessed(std::size_t place) const;
   void conclude(const FiniteLiteral& literal, int origin, std::vector<int> antecedents,
                 std::vector<int> used_at);
   void know(const FiniteLiteral& literal, int inference);
@@ -119,6 +127,7 @@ private:
   std::vector<int> known_;                           // inference of each literal, or -1
   std::vector<std::size_t> trail_place_;             // of each literal that is known
   std::vector<std::vector<std::size_t>> falsifies_;  // clauses with the literal's negation
+  std::vector<std::vector<std::size_t>> satisfies_;  // clauses with the literal
   std::vector<int> num_excluded_;                    // values of each variable
   std::vector<Clause> clauses_;
   std::vector<FoundedRule> founded_;

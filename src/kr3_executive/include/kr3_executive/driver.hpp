@@ -166,6 +166,9 @@ private:
   [[nodiscard]] Support supportOf(const std::string& literal);
   [[nodiscard]] Support supportOf(const std::string& literal, int step);
   [[nodiscard]] Support findSupport(const std::string& literal, int step);
+  /// Of what is entailed now when every other value of a fluent was looked for in vain: those
+  /// records are the reason, no proof is needed.
+  [[nodiscard]] std::optional<Support> supportByElimination(const std::string& literal) const;
   [[nodiscard]] bool isUnexpected(const reasoner::Record& record);
   [[nodiscard]] std::optional<std::string> happened(const std::vector<std::string>& changed) const;
   void addToHistory(const std::vector<reasoner::Record>& records);
