@@ -115,6 +115,14 @@ TEST(AbstractMission, ThePlaceThatIsLeftIsNotRefutedByTheNumberOfTheOthers)
   // 0.7^5, the product of all that was refuted.
   ASSERT_TRUE(look.elsewhere.has_value());
   EXPECT_LE(*look.elsewhere, 0.2);
+
+  setup.truths = {"loc(tb1) = kitchen"};
+  Events events;
+  static_cast<void>(missions.run(setup, events));
+  const std::string text = events.text(EventKind::kDiagnosis);
+  EXPECT_NE(text.find("expected tb1 in corridor (every other value was observed to be false)"),
+            std::string::npos)
+      << text;
 }
 
 TEST(AbstractMission, SaysWhyItExpectsTheBookElsewhere)
