@@ -54,6 +54,19 @@ def test_points_have_the_counted_budgets_of_their_floor(tmp_path: Path) -> None:
     assert trials["pomdp1_online", 36, 10.0] == 34
 
 
+def test_fewer_trials_are_fewer_for_what_takes_long_too(tmp_path: Path) -> None:
+    points = Accuracy(load_budgets(written(tmp_path, TABLE))).points(Options(trials=150))
+    trials = {
+        (point.label["method"], point.label["rooms"], point.label["seconds"]): len(
+            point.all_seeds()
+        )
+        for point in points
+    }
+    assert trials["pa", 36, 0.0] == trials["pomdp1_online", 2, 1.0] == 150
+    assert trials["pomdp1_online", 36, 1.0] == 50
+    assert trials["pomdp1_online", 2, 10.0] == trials["pomdp1_online", 36, 10.0] == 15
+
+
 def test_the_report_prints_the_calibration(tmp_path: Path) -> None:
     table = load_budgets(written(tmp_path, TABLE)).table()
     assert "measured on m at c" in table.title

@@ -1,5 +1,4 @@
 """H1: how often PA and POMDP-1 reach the goal as the number of cells grows."""
-import math
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
 
@@ -30,7 +29,6 @@ _NOISES = [1.0, 2.0]
 _SIMILAR = 0.05
 _PA_BACKUPS = 20_000  # a policy
 _TRIALS = 1000
-_LEAST_TRIALS = 30
 _LARGE_ROOMS = 25  # online, floors above have a third of the trials
 _METHODS = {"pomdp1": "ahead", "pomdp1_online": "online"}
 _WHY = (
@@ -138,11 +136,10 @@ class Accuracy:
         return points
 
     @staticmethod
-    def _trials(kind: _Kind, rooms: int) -> int:
+    def _fraction(kind: _Kind, rooms: int) -> float:
         if kind.method != "pomdp1_online":
-            return _TRIALS
-        share = kind.seconds * (3.0 if rooms > _LARGE_ROOMS else 1.0)
-        return max(_LEAST_TRIALS, math.ceil(_TRIALS / share))
+            return 1.0
+        return 1.0 / (kind.seconds * (3.0 if rooms > _LARGE_ROOMS else 1.0))
 
     @classmethod
     def _point(cls, options: Options, kind: _Kind, rooms: int, noise: float, budget: int) -> Point:
@@ -168,7 +165,7 @@ class Accuracy:
             floor=Floor(rooms=rooms, cells=_CELLS, defaults=0, noise=noise),
             target=TargetRule(rooms=rooms),
             job=job,
-            seeds=options.seeds(full=cls._trials(kind, rooms), quick=20),
+            seeds=options.seeds(full=_TRIALS, quick=20, fraction=cls._fraction(kind, rooms)),
         )
 
     def findings(self, rows: Sequence[Row], options: Options) -> Findings:

@@ -1,4 +1,5 @@
 """What an experiment is: its points, and what it makes of their rows."""
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Protocol, Sequence
@@ -20,6 +21,7 @@ METHOD_NAMES = {
 }
 COLOURS = ["#1f5fa8", "#c2410c", "#15803d", "#7e22ce", "#b8860b", "#475569", "#be123c", "#0e7490"]
 MARKERS = ["o", "s", "^", "D", "v", "P", "X", "*"]
+_LEAST_TRIALS = 30  # of what has a share of a point's trials
 
 
 @dataclass(frozen=True)
@@ -34,10 +36,14 @@ class Options:
     learned: bool = False  # floors with the numbers that the simulated robot learned
     jobs: int = 1  # missions of `robot` at a time
 
-    def seeds(self, full: int, quick: int) -> "tuple[int, int]":
-        """The first seed and the one after the last."""
+    def seeds(self, full: int, quick: int, fraction: float = 1.0) -> "tuple[int, int]":
+        """The first seed and the one after the last.
+
+        @param fraction  of these trials, for what takes long: but a tenth of them at least, or 30
+        """
         count = self.trials or (quick if self.quick else full)
-        return self.seed, self.seed + count
+        least = min(_LEAST_TRIALS, math.ceil(count / 10))
+        return self.seed, self.seed + max(least, math.ceil(count * fraction))
 
 
 @dataclass
