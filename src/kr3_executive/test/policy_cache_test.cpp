@@ -15,9 +15,9 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <kr3_common/error.hpp>
+#include <kr3_common/testing/temporary_folder.hpp>
 #include <kr3_pomdp/belief.hpp>
 #include <kr3_pomdp/simulation.hpp>
 #include <kr3_refinement/low_level_domain.hpp>
@@ -30,6 +30,8 @@ namespace kr3::executive
 {
 namespace
 {
+
+using test_support::TemporaryFolder;
 
 const std::string kDomains = KR3_DOMAINS_DIR;
 const SolveBudget kCounted{0.0, 0.0, 150};
@@ -82,33 +84,10 @@ const Office& office()
   return instance;
 }
 
-/// A directory that goes away with the test.
-class TemporaryDirectory
+std::string onlyFileIn(const TemporaryFolder& folder)
 {
-public:
-  TemporaryDirectory()
-    : path_((std::filesystem::temp_directory_path() /
-             ("kr3_policies_" + std::to_string(::getpid()) + "_" + std::to_string(count_++)))
-                .string())
-  {
-  }
-  TemporaryDirectory(const TemporaryDirectory&) = delete;
-  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-  ~TemporaryDirectory()
-  {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  [[nodiscard]] const std::string& path() const { return path_; }
-  [[nodiscard]] std::string file() const
-  {
-    return std::filesystem::directory_iterator(path_)->path().string();
-  }
-
-private:
-  static inline int count_ = 0;
-  std::string path_;
-};
+  return std::filesystem::directory_iterator(folder.path())->path().string();
+}
 
 /// A policy of one vector, made without solving.
 CachedPolicy madeUp(std::size_t num_states, double value)
@@ -343,7 +322,7 @@ TEST(PolicyCache, WaitingForAnotherThreadCanBeCancelled)
 
 TEST(PolicyCache, ADirectoryKeepsPoliciesToTheLastBit)
 {
-  const TemporaryDirectory directory;
+  const TemporaryFolder directory;
   PolicyCacheOptions options;
   options.directory = directory.path();
   const refinement::PomdpTask task = office().grasp("kitchen", "tb1", "c0", 0.8);
@@ -370,7 +349,7 @@ TEST(PolicyCache, ADirectoryKeepsPoliciesToTheLastBit)
 
 TEST(PolicyCache, ADamagedFileCountsAsMissingAndIsNamed)
 {
-  const TemporaryDirectory directory;
+  const TemporaryFolder directory;
   PolicyCacheOptions options;
   options.directory = directory.path();
   std::vector<std::string> warnings;
@@ -381,7 +360,7 @@ TEST(PolicyCache, ADamagedFileCountsAsMissingAndIsNamed)
     return InProcessPolicyServer(cache).solve(task.model(), kCounted, kGoOn);
   };
   const SolvedPolicy first = solve();
-  const std::string file = directory.file();
+  const std::string file = onlyFileIn(directory);
   const std::string good = contentsOf(file);
   std::string flipped = good;
   flipped[good.size() / 2] = flipped[good.size() / 2] == '1' ? '2' : '1';

@@ -1,5 +1,6 @@
 #include <algorithm>
-#include <functional>
+#include <map>
+#include <optional>
 #include <utility>
 
 #include "history_theory.hpp"
@@ -76,161 +77,246 @@ void HistoryTheory::assumeRecords(const Evidence& evidence)
   }
 }
 
-/// The founded closure of what is known initially, from the evidence only, as inferences.
-std::vector<int> HistoryTheory::closure(const Evidence& evidence,
-                                        const std::vector<GroundDefault>& excepted)
+/// Grows from records, assumed exceptions and defaults, in this order, each time with what the
+/// rules make of it.
+class HistoryTheory::InitialClosure
 {
-  using Key = std::pair<int, std::pair<int, bool>>;
-  std::map<Key, int> known;
-  std::vector<int> conclusions;
-  const auto keyOf = [&](const FiniteLiteral& literal) {
-    return Key{literal.variable, {literal.value, literal.equal}};
-  };
-  const auto canonical = [&](FiniteLiteral literal) {
-    if (values_[*meaning(literal.variable).fluent].size() == 2 && !literal.equal)
-    {
-      literal.value = 1 - literal.value;
-      literal.equal = true;
-    }
-    return literal;
-  };
-  const std::function<int(const Literal&)> find = [&](const Literal& open) {
-    const FiniteLiteral literal = canonical(at(open, 0));
-    const auto found = known.find(keyOf(literal));
-    if (found != known.end() || literal.equal)
-    {
-      return found == known.end() ? -1 : found->second;
-    }
-    const std::size_t fluent = *fluentIndex(open.atom);
-    for (std::size_t value = 0; value < values_[fluent].size(); ++value)
-    {
-      const FiniteLiteral other{literal.variable, static_cast<int>(value), true, 0};
-      const auto equal = known.find(keyOf(other));
-      if (equal != known.end() && other.value != literal.value)
-      {
-        return propagation_.addInference({literal, Inference::kImplied, {equal->second}, {0}});
-      }
-    }
-    return -1;
-  };
-  const auto add = [&](const Literal& open, int origin, std::vector<int> antecedents) {
-    if (!fluentIndex(open.atom) || find(open) >= 0)
-    {
-      return false;
-    }
-    std::vector<int> used_at(antecedents.size(), 0);
-    const FiniteLiteral literal = canonical(at(open, 0));
-    conclusions.push_back(
-        propagation_.addInference({literal, origin, std::move(antecedents), std::move(used_at)}));
-    known[keyOf(literal)] = conclusions.back();
-    return true;
-  };
-  const auto findAll = [&](const std::vector<Literal>& body) {
-    std::vector<int> found;
-    for (const Literal& literal : body)
-    {
-      found.push_back(find(literal));
-    }
-    const bool all = std::find(found.begin(), found.end(), -1) == found.end();
-    return all ? std::make_optional(found) : std::nullopt;
-  };
-  const auto close = [&] {
-    for (bool grown = true; grown;)
-    {
-      grown = false;
-      for (const GroundRule& rule : rules_.rules())
-      {
-        const auto body = rule.head ? findAll(rule.body) : std::nullopt;
-        if (body && find(*rule.head) < 0)
-        {
-          ClauseOrigin origin;
-          origin.kind = ReasonKind::kConstraint;
-          origin.position = rule.position;
-          origin.law = rule.law;
-          grown = add(*rule.head, addOrigin(std::move(origin)), *body) || grown;
-        }
-      }
-    }
-  };
-  const auto applied =
-      [&](const GroundDefault& instance, const std::vector<int>& body, ReasonKind kind) {
-    ClauseOrigin origin;
-    origin.kind = kind;
-    origin.position = instance.rule->position;
-    origin.default_name = instance.name;
-    return add(instance.head, addOrigin(std::move(origin)), body);
-  };
-  for (std::size_t i = 0; i < records_.size(); ++i)
+public:
+  InitialClosure(HistoryTheory& theory, const Evidence& evidence,
+                 const std::vector<GroundDefault>& excepted)
+    : theory_(theory), evidence_(evidence), excepted_(excepted)
   {
-    const bool initial = !records_[i].isAction() && records_[i].record.step == 0;
-    const bool right = std::none_of(
-        world_.assumed.begin(), world_.assumed.end(),
-        [&](const Clingo::Symbol& assumed) { return words_.wrongRecord(assumed) == i; });
-    if (initial && right && may(evidence.records, i))
+  }
+
+  std::vector<int> conclusions() &&
+  {
+    addRecords();
+    addExceptions();
+    addDefaults();
+    addExcepted();
+    return std::move(conclusions_);
+  }
+
+private:
+  using Key = std::pair<int, std::pair<int, bool>>;
+
+  static Key keyOf(const FiniteLiteral& literal)
+  {
+    return {literal.variable, {literal.value, literal.equal}};
+  }
+  [[nodiscard]] FiniteLiteral canonical(const Literal& open) const;
+  /// The inference of a literal that is known, or -1.
+  int find(const Literal& literal);
+  std::optional<std::vector<int>> findAll(const std::vector<Literal>& body);
+  bool add(const Literal& literal, ClauseOrigin origin, std::vector<int> antecedents);
+  bool apply(const GroundDefault& instance, const std::vector<int>& body, ReasonKind kind);
+  void close();
+  void addRecords();
+  void addExceptions();
+  void addDefaults();
+  bool addOneDefault();
+  /// Defaults that are supposed to have applied nevertheless.
+  void addExcepted();
+
+  HistoryTheory& theory_;
+  const Evidence& evidence_;
+  const std::vector<GroundDefault>& excepted_;
+  std::map<Key, int> known_;
+  std::vector<int> conclusions_;
+};
+
+FiniteLiteral HistoryTheory::InitialClosure::canonical(const Literal& open) const
+{
+  FiniteLiteral literal = theory_.at(open, 0);
+  if (theory_.values_[*theory_.meaning(literal.variable).fluent].size() == 2 && !literal.equal)
+  {
+    literal.value = 1 - literal.value;
+    literal.equal = true;
+  }
+  return literal;
+}
+
+int HistoryTheory::InitialClosure::find(const Literal& open)
+{
+  const FiniteLiteral literal = canonical(open);
+  const auto found = known_.find(keyOf(literal));
+  if (found != known_.end() || literal.equal)
+  {
+    return found == known_.end() ? -1 : found->second;
+  }
+  const std::size_t num_values = theory_.values_[*theory_.fluentIndex(open.atom)].size();
+  for (std::size_t value = 0; value < num_values; ++value)
+  {
+    const FiniteLiteral other{literal.variable, static_cast<int>(value), true, 0};
+    const auto equal = known_.find(keyOf(other));
+    if (equal != known_.end() && other.value != literal.value)
     {
-      add(records_[i].literal, originOf(i), {});
+      return theory_.propagation_.addInference(
+          {literal, Inference::kImplied, {equal->second}, {0}});
+    }
+  }
+  return -1;
+}
+
+std::optional<std::vector<int>> HistoryTheory::InitialClosure::findAll(
+    const std::vector<Literal>& body)
+{
+  std::vector<int> found;
+  for (const Literal& literal : body)
+  {
+    found.push_back(find(literal));
+  }
+  const bool all = std::find(found.begin(), found.end(), -1) == found.end();
+  return all ? std::make_optional(found) : std::nullopt;
+}
+
+bool HistoryTheory::InitialClosure::add(const Literal& open, ClauseOrigin origin,
+                                        std::vector<int> antecedents)
+{
+  if (!theory_.fluentIndex(open.atom) || find(open) >= 0)
+  {
+    return false;
+  }
+  const int number = origin.record == kNoRecord ? theory_.addOrigin(std::move(origin))
+                                                : theory_.originOf(origin.record);
+  std::vector<int> used_at(antecedents.size(), 0);
+  const FiniteLiteral literal = canonical(open);
+  conclusions_.push_back(theory_.propagation_.addInference(
+      {literal, number, std::move(antecedents), std::move(used_at)}));
+  known_[keyOf(literal)] = conclusions_.back();
+  return true;
+}
+
+bool HistoryTheory::InitialClosure::apply(const GroundDefault& instance,
+                                          const std::vector<int>& body, ReasonKind kind)
+{
+  ClauseOrigin origin;
+  origin.kind = kind;
+  origin.position = instance.rule->position;
+  origin.default_name = instance.name;
+  return add(instance.head, std::move(origin), body);
+}
+
+void HistoryTheory::InitialClosure::close()
+{
+  for (bool grown = true; grown;)
+  {
+    grown = false;
+    for (const GroundRule& rule : theory_.rules_.rules())
+    {
+      const auto body = rule.head ? findAll(rule.body) : std::nullopt;
+      if (!body)
+      {
+        continue;
+      }
+      ClauseOrigin origin;
+      origin.kind = ReasonKind::kConstraint;
+      origin.position = rule.position;
+      origin.law = rule.law;
+      grown = add(*rule.head, std::move(origin), *body) || grown;
+    }
+  }
+}
+
+void HistoryTheory::InitialClosure::addRecords()
+{
+  const auto& assumed = theory_.world_.assumed;
+  for (std::size_t i = 0; i < theory_.records_.size(); ++i)
+  {
+    const CheckedRecord& checked = theory_.records_[i];
+    const bool right = std::none_of(assumed.begin(), assumed.end(), [&](const auto& symbol) {
+      return theory_.words_.wrongRecord(symbol) == i;
+    });
+    if (!checked.isAction() && checked.record.step == 0 && right && may(evidence_.records, i))
+    {
+      ClauseOrigin origin;
+      origin.record = i;
+      add(checked.literal, std::move(origin), {});
     }
   }
   close();
-  for (std::size_t i = 0; i < world_.assumed.size(); ++i)
+}
+
+void HistoryTheory::InitialClosure::addExceptions()
+{
+  const auto& assumed = theory_.world_.assumed;
+  for (std::size_t i = 0; i < assumed.size(); ++i)
   {
-    if (!words_.isException(world_.assumed[i]) || !may(evidence.assumed, i))
+    if (!theory_.words_.isException(assumed[i]) || !may(evidence_.assumed, i))
     {
       continue;
     }
-    const Literal literal = words_.exception(world_.assumed[i]);
+    const Literal literal = theory_.words_.exception(assumed[i]);
     const bool opposed =
-        std::any_of(excepted.begin(), excepted.end(), [&](const GroundDefault& instance) {
-          return toString(contrary(instance.head, description_)) == toString(literal);
+        std::any_of(excepted_.begin(), excepted_.end(), [&](const GroundDefault& instance) {
+          return toString(contrary(instance.head, theory_.description_)) == toString(literal);
         });
     if (!opposed)
     {
       ClauseOrigin origin;
       origin.kind = ReasonKind::kException;
       origin.assumed = i;
-      add(literal, addOrigin(std::move(origin)), {});
+      add(literal, std::move(origin), {});
       close();
     }
   }
-  for (bool grown = true; grown;)
+}
+
+void HistoryTheory::InitialClosure::addDefaults()
+{
+  while (addOneDefault())
   {
-    grown = false;
-    for (const GroundDefault& instance : rules_.defaults())
+    close();
+  }
+}
+
+bool HistoryTheory::InitialClosure::addOneDefault()
+{
+  const InitialWorld& world = theory_.world_;
+  for (const GroundDefault& instance : theory_.rules_.defaults())
+  {
+    // what the exception opens does not apply when it is taken back
+    const bool opposed =
+        std::any_of(excepted_.begin(), excepted_.end(), [&](const GroundDefault& other) {
+          return toString(other.head.atom) == toString(instance.head.atom);
+        });
+    if (opposed || !may(evidence_.defaults, instance.name) || !world.knows(instance.head) ||
+        world.knows(contrary(instance.head, theory_.description_)) || find(instance.head) >= 0)
     {
-      // what the exception opens does not apply when it is taken back
-      const bool opposed =
-          std::any_of(excepted.begin(), excepted.end(), [&](const GroundDefault& other) {
-            return toString(other.head.atom) == toString(instance.head.atom);
-          });
-      if (opposed || !may(evidence.defaults, instance.name) || !world_.knows(instance.head) ||
-          world_.knows(contrary(instance.head, description_)) || find(instance.head) >= 0)
-      {
-        continue;
-      }
-      const auto body = findAll(instance.body);
-      if (body && applied(instance, *body, ReasonKind::kDefault))
-      {
-        close();
-        grown = true;
-        break;
-      }
+      continue;
+    }
+    const auto body = findAll(instance.body);
+    if (body && apply(instance, *body, ReasonKind::kDefault))
+    {
+      return true;
     }
   }
-  for (const GroundDefault& instance : excepted)
+  return false;
+}
+
+void HistoryTheory::InitialClosure::addExcepted()
+{
+  for (const GroundDefault& instance : excepted_)
   {
-    if (!fluentIndex(instance.head.atom) ||
-        !std::all_of(instance.body.begin(), instance.body.end(),
-                     [&](const Literal& literal) { return fluentIndex(literal.atom); }))
+    if (!theory_.fluentIndex(instance.head.atom) ||
+        !std::all_of(instance.body.begin(), instance.body.end(), [&](const Literal& literal) {
+          return theory_.fluentIndex(literal.atom).has_value();
+        }))
     {
       continue;
     }
     if (const auto body = findAll(instance.body))
     {
-      applied(instance, *body, ReasonKind::kSupposed);
+      apply(instance, *body, ReasonKind::kSupposed);
       close();
     }
   }
-  return conclusions;
+}
+
+std::vector<int> HistoryTheory::closure(const Evidence& evidence,
+                                        const std::vector<GroundDefault>& excepted)
+{
+  return InitialClosure(*this, evidence, excepted).conclusions();
 }
 
 int HistoryTheory::prove(const Literal& literal, int step, const Evidence& evidence, int max_cases)

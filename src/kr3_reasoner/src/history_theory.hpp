@@ -94,6 +94,7 @@ private:
     std::string action;
     std::size_t law;
   };
+  class InitialClosure;
   /// What may give each fluent a value at a step.
   using Supports = std::map<std::size_t, std::vector<Support>>;
 
@@ -119,6 +120,7 @@ private:
 
   [[nodiscard]] int originOf(std::size_t record);
   void assumeRecords(const Evidence& evidence);
+  /// The founded closure of what is known initially, from the evidence only, as inferences.
   [[nodiscard]] std::vector<int> closure(const Evidence& evidence,
                                          const std::vector<GroundDefault>& excepted);
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
-#include <fstream>
-#include <sstream>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -12,6 +10,7 @@
 #include <kr3_msgs/CellArray.h>
 #include <kr3_refinement/low_level_files.hpp>
 
+#include "../yaml_reader.hpp"
 #include "conversions.hpp"
 #include "kr3_executive/domain_files.hpp"
 #include "kr3_executive/in_process.hpp"
@@ -31,15 +30,6 @@ std::string listedLines(const std::vector<std::string>& items)
   for (const auto& item : items)
     text += (text.empty() ? "" : ", ") + item;
   return text;
-}
-
-std::string readText(const std::string& path)
-{
-  std::ifstream file(path);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf()))
-    throw Unavailable("cannot read '" + path + "'");
-  return text.str();
 }
 
 /// The map's cells, latched by whoever made the map.
@@ -93,8 +83,8 @@ ExecutiveNode::ExecutiveNode(ros::NodeHandle nh, const ros::NodeHandle& private_
   const kr3_msgs::CellArray cells = waitForCells(nh, config_.peer_deadline_s, stop);
   markers_ = std::make_unique<MissionMarkers>(cells);
   LoadedDomain loaded =
-      load(high_level, refined, fromMsg(cells), {config_.models, readText(config_.models)},
-           {config_.bindings, readText(config_.bindings)});
+      load(high_level, refined, fromMsg(cells), {config_.models, readTextFile(config_.models)},
+           {config_.bindings, readTextFile(config_.bindings)});
   domain_ = std::move(loaded.domain);
   models_ = std::move(loaded.models);
   bindings_ = std::move(loaded.bindings);
@@ -124,10 +114,10 @@ ExecutiveNode::ExecutiveNode(ros::NodeHandle nh, const ros::NodeHandle& private_
     paced_executor_ = std::make_unique<PacedExecutor>(*executor_, *pace_);
     executor = paced_executor_.get();
   }
-  driver_ = makeMission(config_.method,
-                        {*domain_, models_, *narrator_, reasoner, policies_, *executor, *this,
-                         now_s, config_.driver},
-                        config_.baseline);
+  driver_ = makeMission(
+      config_.method,
+      {*domain_, models_, *narrator_, reasoner, policies_, *executor, *this, now_s, config_.driver},
+      config_.baseline);
   restoreKnowledge();
   onSnapshot({State{}, {}, driver_->knowledge().history, {}, {}});
 

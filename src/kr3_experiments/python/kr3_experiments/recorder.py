@@ -3,14 +3,14 @@ import shutil
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, List, Optional
+from typing import List, Optional
 
 import rospy
-import yaml
 
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.processes import ManagedProcess, end_processes
 from kr3_experiments.stack import Stack
+from kr3_experiments.yaml_file import read_mapping
 
 
 @dataclass(frozen=True)
@@ -24,19 +24,16 @@ class Profile:
 
 def load_profile(file: Path) -> Profile:
     """@throws Kr3Error  the file is missing or malformed"""
+    expected = "expected topics, min_free_mb and stop_below_mb"
+    content = read_mapping(file, expected)
     try:
-        content: Any = yaml.safe_load(file.read_text(encoding="utf-8"))
         profile = Profile(
             topics=[str(topic) for topic in content["topics"]],
             min_free_mb=int(content["min_free_mb"]),
             stop_below_mb=int(content["stop_below_mb"]),
         )
-    except OSError as error:
-        raise Kr3Error(f"{file}: {error.strerror}") from error
-    except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
-        raise Kr3Error(
-            f"{file}: expected topics, min_free_mb and stop_below_mb ({error})"
-        ) from error
+    except (KeyError, TypeError, ValueError) as error:
+        raise Kr3Error(f"{file}: {expected} ({error})") from error
     if not profile.topics:
         raise Kr3Error(f"{file}: no topics")
     return profile

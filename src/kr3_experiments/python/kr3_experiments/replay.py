@@ -11,6 +11,7 @@ from kr3_experiments.bringup import DEFAULT_PORT, choose_port, new_run_dir
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.events import Event, event_from_message
 from kr3_experiments.mission_inputs import input_lines, open_bag
+from kr3_experiments.programs import find_program
 from kr3_experiments.stack import Stack
 from kr3_experiments.terminal import Terminal
 
@@ -93,7 +94,7 @@ def _recompute(args: argparse.Namespace, lines: List[str]) -> int:
     with tempfile.TemporaryDirectory(prefix="kr3_replay_") as folder:
         file = Path(folder) / (args.bag.stem + ".jsonl")
         file.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        command = ["rosrun", "kr3_executive", "kr3_replay", str(file)]
+        command = [find_program("kr3_executive", "kr3_replay"), str(file)]
         command += ["--check"] if args.check else []
         command += ["--any-numbers"] if args.any_numbers else []
         command += ["--mission", str(args.mission)] if args.mission is not None else []
@@ -146,7 +147,7 @@ def _play(args: argparse.Namespace, terminal: Terminal, timed: List[Tuple[float,
         terminal.detail(f"topics on ROS_MASTER_URI={stack.uri}; Ctrl-C ends it")
         player = stack.start_unwatched(
             "player",
-            ["rosrun", "rosbag", "play", "--quiet", "-r", str(args.rate), str(args.bag.resolve())],
+            ["rosbag", "play", "--quiet", "-r", str(args.rate), str(args.bag.resolve())],
         )
         started = time.monotonic()
         pending = list(timed)

@@ -11,6 +11,7 @@ from kr3_experiments.bringup import add_domain_argument, existing_run_dir, new_r
 from kr3_experiments.domain import find_folder, repository_root
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.processes import ManagedProcess, describe_exit, end_processes
+from kr3_experiments.programs import find_program
 from kr3_experiments.terminal import Terminal
 from kr3_experiments.yaml_file import read_mapping
 
@@ -168,7 +169,7 @@ class Work:
         """Run it to its end; its lines go to the terminal as well. @throws Kr3Error  it failed"""
         self._count += 1
         log = self._logs / f"{self._count}_{name}.log"
-        command = ["rosrun", "kr3_perception", name, *arguments]
+        command = [find_program("kr3_perception", name), *arguments]
         process = ManagedProcess(name, command, log, os.environ)
         try:
             shown = 0

@@ -31,7 +31,8 @@ from kr3_experiments.experiment.points import Floor, Point, TargetRule, configur
 from kr3_experiments.experiment.rows import Row, RowStore
 from kr3_experiments.experiment.statistics import Estimate
 from kr3_experiments.experiment.sweep import commit
-from kr3_experiments.experiment.worker import TrialWorker, WorkerLost, find_program, trials_program
+from kr3_experiments.experiment.worker import TrialWorker, WorkerLost, trials_program
+from kr3_experiments.programs import find_program
 
 _ROOMS = [10, 20, 40, 80]
 _OBJECTS = [10, 50, 200]

@@ -1,27 +1,18 @@
 """A kr3_trials process: takes chunks of trials, gives their rows."""
 import json
-import os
 import subprocess
 import tempfile
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 from kr3_experiments.errors import Kr3Error
+from kr3_experiments.programs import find_program
 
 Reply = Dict[str, Any]
 
 
 class WorkerLost(Exception):
     """The process ended before its chunk did; another one may take the chunk."""
-
-
-def find_program(package: str, name: str) -> str:
-    """Path of a program in the workspace that was sourced. @throws Kr3Error  there is none"""
-    for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep):
-        path = Path(prefix) / "lib" / package / name
-        if prefix and path.exists():
-            return str(path)
-    raise Kr3Error(f"{name} is not built: run ./kr3 build")
 
 
 def trials_program() -> str:
