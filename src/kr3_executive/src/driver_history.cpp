@@ -143,6 +143,19 @@ Event MissionDriver::performRecords(const std::vector<Record>& records)
   return RecordsAdded{currentStep(knowledge_.history), unexpected};
 }
 
+std::optional<reasoner::Diagnosis> MissionDriver::diagnosisInTime()
+{
+  try
+  {
+    return reasoner_.diagnose();
+  }
+  catch (const DeadlineExceeded& e)
+  {
+    surprises_.push_back(std::string("why was not found in time: ") + e.what());
+    return std::nullopt;
+  }
+}
+
 Event MissionDriver::performDiagnosis()
 {
   if (!interest_.narration && !interest_.log)
@@ -151,8 +164,12 @@ Event MissionDriver::performDiagnosis()
     surprised_fluents_.clear();
     return DiagnosisReady{reasoner_.isConsistent()};
   }
-  const reasoner::Diagnosis diagnosis = reasoner_.diagnose();
-  note([&] { return reported(diagnosis); });
+  // What happened is of use to people. To go on it is enough that something can have; if not, the
+  // next plan says so.
+  const std::optional<reasoner::Diagnosis> found = diagnosisInTime();
+  note([&] { return found ? reported(*found) : reportedLateDiagnosis(); });
+  reasoner::Diagnosis diagnosis = found.value_or(reasoner::Diagnosis{});
+  diagnosis.consistent = diagnosis.consistent || !found;
   const std::vector<std::string> known = std::exchange(exceptions_, {});
   std::vector<std::string> expectations;
   if (diagnosis.consistent && interest_.narration)

@@ -334,7 +334,11 @@ Support MissionDriver::findSupport(const std::string& literal, int step)
 {
   if (reasoner_.entails(literal, step) != reasoner::Answer::kTrue)
   {
-    // A hypothesis, one of those that are left.
+    // A hypothesis, one of those that are left: its share is a half at most. To count them takes a
+    // question for each.
+    constexpr double kMostShare = 0.5;
+    if (config_.least_hypothesis_probability >= kMostShare)
+      return {config_.least_hypothesis_probability, kAssumed};
     const LiteralText parts = takeApart(literal);
     const auto* fluent = domain_.highLevel().findFluent(parts.symbol);
     std::size_t open = 0;

@@ -143,6 +143,13 @@ ReportedDecision reported(const reasoner::Diagnosis& diagnosis)
   return decision;
 }
 
+ReportedDecision reportedLateDiagnosis()
+{
+  ReportedDecision decision{0, "diagnosis", {"not found in time"}, {}, {}};
+  decision.cut_short = true;
+  return decision;
+}
+
 ReportedDecision reportedLowLevel(const std::string& action, const pomdp::Belief& belief)
 {
   ReportedDecision decision{0, "low_level_finish", {}, {fingerprint(belief)}, {}};

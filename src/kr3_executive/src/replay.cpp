@@ -140,6 +140,7 @@ public:
         consume();
     }
     add(std::move(replayed));
+    interruption_.error = nullptr;
     anticipate();
   }
 
@@ -293,6 +294,10 @@ private:
       told_ = next_;
       mission_again_->tell(told->record);
     }
+    const auto* decision = std::get_if<ReportedDecision>(&content);
+    if (decision != nullptr && decision->cut_short &&
+        decision->kind == reportedLateDiagnosis().kind)
+      interruption_.error = [] { throw DeadlineExceeded("as recorded"); };
     const auto* ended = std::get_if<RecordedEnd>(&content);
     if (ended == nullptr)
       return;

@@ -111,6 +111,8 @@ private:
   SolvedPolicy solvePolicy(const std::string& action);
   Event performRecords(const std::vector<reasoner::Record>& records);
   Event performDiagnosis();
+  /// Nothing where the reasoner's limit of time ends it.
+  [[nodiscard]] std::optional<reasoner::Diagnosis> diagnosisInTime();
   Event performReopen();
   /// Indices of the records obs(f = v, false, k) by value v, since the fluent was last known to
   /// have a value: observed or told, or the only one with which an action that happened could

@@ -116,8 +116,8 @@ struct ReportedDecision
   std::vector<std::string> basis;    ///< numbers that it rests on, with all their digits: costs of
                                      ///< plans, bounds of a policy, a hash of the belief
   std::optional<SolvedPolicy> policy;  ///< of "policy"
-  bool cut_short = false;  ///< ended by wall time or memory, not by counted work: of "policy" and
-                           ///< "plans"; it need not repeat
+  bool cut_short = false;  ///< ended by wall time or memory, not by counted work: of "policy",
+                           ///< "plans" and "diagnosis"; it need not repeat
 };
 
 /// "request_plan", "request_policy", "execute_policy_action", "add_records", "request_diagnosis",
@@ -137,6 +137,9 @@ struct ReportedDecision
 
 /// A diagnosis: its minimal explanations, a line each.
 [[nodiscard]] ReportedDecision reported(const reasoner::Diagnosis& diagnosis);
+
+/// A diagnosis that was not found within the reasoner's limit of time.
+[[nodiscard]] ReportedDecision reportedLateDiagnosis();
 
 /// What a policy says at a belief.
 /// @param action  empty to finish
