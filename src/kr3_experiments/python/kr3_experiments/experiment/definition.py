@@ -146,7 +146,9 @@ class Curve:
     ys: Sequence[Estimate]
 
 
-def plot(curves: Sequence[Curve], x_label: str, y_label: str, log_x: bool = False) -> Figure:
+def plot(
+    curves: Sequence[Curve], x_label: str, y_label: str, log_x: bool = False, log_y: bool = False
+) -> Figure:
     """Values with their 95 % intervals."""
     figure = Figure(figsize=(7.0, 4.2), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
@@ -171,6 +173,9 @@ def plot(curves: Sequence[Curve], x_label: str, y_label: str, log_x: bool = Fals
         ticks = sorted({x for curve in curves for x in curve.xs})
         axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         axes.minorticks_off()
+    if log_y:
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axes.set_xlabel(x_label)
     axes.set_ylabel(y_label)
     axes.grid(True, color="#e3e8ee")

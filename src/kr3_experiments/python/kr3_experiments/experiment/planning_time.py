@@ -157,6 +157,7 @@ class PlanningTime:
                 f"rooms ({objects} objects)",
                 "CPU time, s",
                 log_x=True,
+                log_y=True,
             )
         rooms, objects = sizes[-1]
         medians = {
