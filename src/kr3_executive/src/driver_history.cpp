@@ -168,8 +168,10 @@ Event MissionDriver::performDiagnosis()
   // next plan says so.
   const std::optional<reasoner::Diagnosis> found = diagnosisInTime();
   note([&] { return found ? reported(*found) : reportedLateDiagnosis(); });
-  reasoner::Diagnosis diagnosis = found.value_or(reasoner::Diagnosis{});
-  diagnosis.consistent = diagnosis.consistent || !found;
+  reasoner::Diagnosis diagnosis;
+  diagnosis.consistent = true;
+  if (found)
+    diagnosis = *found;
   const std::vector<std::string> known = std::exchange(exceptions_, {});
   std::vector<std::string> expectations;
   if (diagnosis.consistent && interest_.narration)

@@ -108,7 +108,7 @@ private:
   /// The inference of a literal that is known, or -1.
   int find(const Literal& literal);
   std::optional<std::vector<int>> findAll(const std::vector<Literal>& body);
-  bool add(const Literal& literal, ClauseOrigin origin, std::vector<int> antecedents);
+  bool add(const Literal& literal, int origin, std::vector<int> antecedents);
   bool apply(const GroundDefault& instance, const std::vector<int>& body, ReasonKind kind);
   void close();
   void addRecords();
@@ -170,19 +170,17 @@ std::optional<std::vector<int>> HistoryTheory::InitialClosure::findAll(
   return all ? std::make_optional(found) : std::nullopt;
 }
 
-bool HistoryTheory::InitialClosure::add(const Literal& open, ClauseOrigin origin,
+bool HistoryTheory::InitialClosure::add(const Literal& open, int origin,
                                         std::vector<int> antecedents)
 {
   if (!theory_.fluentIndex(open.atom) || find(open) >= 0)
   {
     return false;
   }
-  const int number = origin.record == kNoRecord ? theory_.addOrigin(std::move(origin))
-                                                : theory_.originOf(origin.record);
   std::vector<int> used_at(antecedents.size(), 0);
   const FiniteLiteral literal = canonical(open);
   conclusions_.push_back(theory_.propagation_.addInference(
-      {literal, number, std::move(antecedents), std::move(used_at)}));
+      {literal, origin, std::move(antecedents), std::move(used_at)}));
   known_[keyOf(literal)] = conclusions_.back();
   return true;
 }
@@ -194,7 +192,7 @@ bool HistoryTheory::InitialClosure::apply(const GroundDefault& instance,
   origin.kind = kind;
   origin.position = instance.rule->position;
   origin.default_name = instance.name;
-  return add(instance.head, std::move(origin), body);
+  return add(instance.head, theory_.addOrigin(std::move(origin)), body);
 }
 
 void HistoryTheory::InitialClosure::close()
@@ -205,7 +203,7 @@ void HistoryTheory::InitialClosure::close()
     for (const GroundRule& rule : theory_.rules_.rules())
     {
       const auto body = rule.head ? findAll(rule.body) : std::nullopt;
-      if (!body)
+      if (!body || find(*rule.head) >= 0)
       {
         continue;
       }
@@ -213,7 +211,7 @@ void HistoryTheory::InitialClosure::close()
       origin.kind = ReasonKind::kConstraint;
       origin.position = rule.position;
       origin.law = rule.law;
-      grown = add(*rule.head, std::move(origin), *body) || grown;
+      grown = add(*rule.head, theory_.addOrigin(std::move(origin)), *body) || grown;
     }
   }
 }
@@ -229,9 +227,7 @@ void HistoryTheory::InitialClosure::addRecords()
     });
     if (!checked.isAction() && checked.record.step == 0 && right && may(evidence_.records, i))
     {
-      ClauseOrigin origin;
-      origin.record = i;
-      add(checked.literal, std::move(origin), {});
+      add(checked.literal, theory_.originOf(i), {});
     }
   }
   close();
@@ -256,7 +252,7 @@ void HistoryTheory::InitialClosure::addExceptions()
       ClauseOrigin origin;
       origin.kind = ReasonKind::kException;
       origin.assumed = i;
-      add(literal, std::move(origin), {});
+      add(literal, theory_.addOrigin(std::move(origin)), {});
       close();
     }
   }

@@ -134,7 +134,7 @@ void HistoryTheory::addImplication(const Body& body, std::optional<FiniteLiteral
   {
     clause.push_back(*head);
   }
-  propagation_.addClause(std::move(clause), origin);
+  propagation_.addClause(clause, origin);
 }
 
 /// Where effects reach a fluent, directly or through constraints, it gets a variable of its own.
@@ -290,7 +290,7 @@ void HistoryTheory::addDefinitions()
       }
       if (!always)
       {
-        propagation_.addClause(std::move(clause), completion);
+        propagation_.addClause(clause, completion);
       }
     }
   }

@@ -107,7 +107,7 @@ void HistoryTheory::addLaw(const GroundLaw& law, Supports& supports)
   }
   Body clause = bodies;
   clause.push_back({variable, 1, false, step});
-  propagation_.addClause(std::move(clause), silent);
+  propagation_.addClause(clause, silent);
   addEffects(law, applies, supports);
 }
 
@@ -165,13 +165,13 @@ void HistoryTheory::addEffects(const GroundLaw& law, const FiniteLiteral& applie
       }
       if (effect.options.size() != 1)
       {
-        propagation_.addClause(std::move(options), silent);
+        propagation_.addClause(options, silent);
       }
     }
   }
   if (law.outcomes.size() > 1)
   {
-    propagation_.addClause(std::move(outcomes), silent);
+    propagation_.addClause(outcomes, silent);
   }
 }
 
@@ -205,10 +205,10 @@ void HistoryTheory::addFrame(std::size_t fluent, int step, const std::vector<Sup
       Body& clause = supported == values_[fluent][i] ? given : kept;
       clause.insert(clause.end(), literals.begin(), literals.end());
     }
-    propagation_.addClause(std::move(given), frame);
+    propagation_.addClause(given, frame);
     if (values_[fluent].size() > 2)
     {
-      propagation_.addClause(std::move(kept), frame);
+      propagation_.addClause(kept, frame);
     }
   }
 }

@@ -59,7 +59,7 @@ bool Propagation::isProcessed(std::size_t place) const
   return known_[place] >= 0 && trail_place_[place] < num_processed_;
 }
 
-void Propagation::addClause(std::vector<FiniteLiteral> literals, int origin)
+void Propagation::addClause(const std::vector<FiniteLiteral>& literals, int origin)
 {
   Clause clause;
   clause.origin = origin;

@@ -50,7 +50,7 @@ public:
   int addVariable(int size);
 
   /// A disjunction. `origin` (0 or more) is the caller's; it is repeated in inferences.
-  void addClause(std::vector<FiniteLiteral> literals, int origin);
+  void addClause(const std::vector<FiniteLiteral>& literals, int origin);
 
   /// `head = 1` holds only if it follows from these rules (least model, as of a definition); the
   /// head and the bodies' variables are booleans, 0 and 1, or others.
