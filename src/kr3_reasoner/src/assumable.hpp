@@ -25,6 +25,8 @@ struct Price
 {
   int retractions = 0;
   int assumptions = 0;
+
+  [[nodiscard]] int sum() const { return retractions + assumptions; }
 };
 
 }  // namespace kr3::reasoner

@@ -254,6 +254,25 @@ std::optional<SettledAssumptions> candidates(const HistoryProgram& program, cons
   return open;
 }
 
+/// The parts of what may be assumed, without prices.
+PriceByPart partsOf(const std::vector<AssumedLiteral>& assumptions, AtomComponents& components)
+{
+  PriceByPart price;
+  std::unordered_map<AtomComponents::Atom, std::size_t> parts;
+  for (const AssumedLiteral& assumption : assumptions)
+  {
+    if (!isConstant(assumption.literal))
+    {
+      const auto atom = static_cast<AtomComponents::Atom>(std::abs(assumption.literal));
+      const std::size_t part =
+          parts.emplace(components.representative(atom), price.parts.size()).first->second;
+      price.parts.resize(std::max(price.parts.size(), part + 1));
+      price.part_of.emplace(assumption.what, part);
+    }
+  }
+  return price;
+}
+
 /// The minimal price of a history when this may be assumed, and what minimal explanations assume.
 std::optional<Optimum> minimalPrice(const HistoryProgram& program, const Records& records,
                                     int current_step, const Assumable& assumable)
@@ -263,22 +282,24 @@ std::optional<Optimum> minimalPrice(const HistoryProgram& program, const Records
   {
     return std::nullopt;
   }
+  AtomComponents components;
   SolvedHistory solved(program, records, current_step,
                        UnrolledHistory::Mode{assumable, &*open, false},
-                       {"0", "--opt-strategy=usc", "--warn=none"});
+                       {"0", "--opt-strategy=usc", "--warn=none"}, &components);
   {
     RuleSink sink(solved.solver.control());
     solved.history->minimize(sink);
   }
-  Optimum optimum{assumable, {}, 0, SettledAssumptions{}};
+  Optimum optimum{assumable, partsOf(solved.history->assumptions(), components), 0,
+                  SettledAssumptions{}};
   const bool consistent = solved.solver.solve([&](const Clingo::Model& model) {
-    optimum.price = {};
+    std::fill(optimum.price.parts.begin(), optimum.price.parts.end(), Price{});
     for (const AssumedLiteral& assumption : solved.history->assumptions())
     {
       if (isTrue(assumption.literal, model))
       {
-        (assumption.is_retraction ? optimum.price.retractions : optimum.price.assumptions) +=
-            assumption.price;
+        Price& part = optimum.price.parts[optimum.price.partOf(assumption.what)];
+        (assumption.is_retraction ? part.retractions : part.assumptions) += assumption.price;
       }
     }
     return true;
@@ -310,7 +331,7 @@ std::optional<Optimum> minimalPrice(const HistoryProgram& program, const Records
 Optimum anyPrice(bool exogenous)
 {
   constexpr int kAnyPrice = 1000000;
-  return {{exogenous, false}, {0, kAnyPrice}};
+  return {{exogenous, false}, {{{0, kAnyPrice}}, {}}};
 }
 
 std::vector<Assumable> assumableLevels(const Records& records, int current_step,
@@ -407,7 +428,7 @@ std::vector<std::vector<Clingo::Symbol>> explanationsOf(const HistoryProgram& pr
                                                         const Optimum& optimum)
 {
   constexpr std::size_t kMaxExplanations = 200;
-  if (optimum.price.assumptions == 0 && optimum.price.retractions == 0)
+  if (optimum.price.total().sum() == 0)
   {
     return {{}};
   }

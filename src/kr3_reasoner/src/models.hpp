@@ -17,7 +17,7 @@ namespace kr3::reasoner
 struct Optimum
 {
   Assumable assumable;
-  Price price;
+  PriceByPart price;
   int level = 0;  ///< how many kinds of assumption did not suffice, see findOptimum
   /// Nothing: not known, so that all that is assumable may be assumed.
   std::optional<SettledAssumptions> settled = std::nullopt;

@@ -30,7 +30,7 @@ Diagnosis Reasoner::diagnose() const
         ": " + impl_->conflictText(diagnosis.conflict_records);
     return diagnosis;
   }
-  diagnosis.cost = optimum->price.assumptions + optimum->price.retractions;
+  diagnosis.cost = optimum->price.total().sum();
   const Words words = impl_->words();
   const auto explanations =
       explanationsOf(impl_->program(), impl_->records(), impl_->currentStep(), *optimum);
@@ -74,7 +74,7 @@ Diagnosis Reasoner::minimalExplanations() const
   {
     return diagnosis;
   }
-  diagnosis.cost = optimum->price.assumptions + optimum->price.retractions;
+  diagnosis.cost = optimum->price.total().sum();
   const Words words = impl_->words();
   for (const auto& explanation :
        explanationsOf(impl_->program(), impl_->records(), impl_->currentStep(), *optimum))

@@ -27,7 +27,7 @@ std::vector<Retraction> Reasoner::retractions() const
 {
   const auto question = impl_->ask("the search for retractions");
   const std::optional<Optimum>& optimum = impl_->optimum();
-  if (optimum && optimum->price.retractions == 0)
+  if (optimum && optimum->price.total().retractions == 0)
   {
     return {};
   }

@@ -262,7 +262,7 @@ std::optional<int> Situations::priceOfExceptions(const Situation& situation)
   {
     return std::nullopt;
   }
-  return optimum->price.assumptions;
+  return optimum->price.total().assumptions;
 }
 
 bool Situations::exceptionsCostOne() const

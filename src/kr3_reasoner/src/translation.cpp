@@ -198,9 +198,9 @@ std::string header(int first_step, int current_step, const Optimum& optimum,
   const std::string next = std::to_string(first_step + 1);
   text += "time(" + first + ".._last). transition(" + next + ".._last). past(" + next + ".._now).";
   text += goal == nullptr ? "\n" : " future(_now+1.._last).\n";
-  text += "#const _price = " + std::to_string(optimum.price.assumptions) +
+  text += "#const _price = " + std::to_string(optimum.price.total().assumptions) +
           ".     % minimal price of what is assumed\n";
-  text += "#const _doubts = " + std::to_string(optimum.price.retractions) +
+  text += "#const _doubts = " + std::to_string(optimum.price.total().retractions) +
           ".    % and of the records that are taken to be wrong\n";
   return text;
 }

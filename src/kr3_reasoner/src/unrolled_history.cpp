@@ -26,6 +26,23 @@ bool needsExogenous(const Description& description, const std::vector<CheckedRec
 
 }  // namespace
 
+Price PriceByPart::total() const
+{
+  Price sum;
+  for (const Price& part : parts)
+  {
+    sum.retractions += part.retractions;
+    sum.assumptions += part.assumptions;
+  }
+  return sum;
+}
+
+std::size_t PriceByPart::partOf(Clingo::Symbol what) const
+{
+  const auto found = part_of.find(what);
+  return found == part_of.end() ? 0 : found->second;
+}
+
 UnrolledHistory::UnrolledHistory(const HistoryProgram& program,
                                  const std::vector<CheckedRecord>& records, int current_step,
                                  Mode mode, RuleSink& sink)
@@ -138,33 +155,45 @@ SolverLiteral UnrolledHistory::failure(const CheckedRecord& attempt, SolverLiter
   return fails;
 }
 
-void UnrolledHistory::bound(const Price& price, RuleSink& sink) const
+void UnrolledHistory::bound(const PriceByPart& price, RuleSink& sink) const
 {
-  for (const bool retraction : {true, false})
+  struct Part
   {
-    int left = retraction ? price.retractions : price.assumptions;
+    int left = 0;
     int sum = 0;
     std::vector<Clingo::WeightedLiteral> open;
+  };
+  for (const bool retraction : {true, false})
+  {
+    std::vector<Part> parts(price.parts.size());
+    for (std::size_t i = 0; i < parts.size(); ++i)
+    {
+      parts[i].left = retraction ? price.parts[i].retractions : price.parts[i].assumptions;
+    }
     for (const AssumedLiteral& assumption : assumptions_)
     {
       if (assumption.is_retraction == retraction && assumption.literal != kFalseLiteral)
       {
+        Part& part = parts[price.partOf(assumption.what)];
         if (assumption.literal == kTrueLiteral)
         {
-          left -= assumption.price;
+          part.left -= assumption.price;
           continue;
         }
-        open.emplace_back(assumption.literal, assumption.price);
-        sum += assumption.price;
+        part.open.emplace_back(assumption.literal, assumption.price);
+        part.sum += assumption.price;
       }
     }
-    if (left < 0)
+    for (const Part& part : parts)
     {
-      sink.contradiction();
-    }
-    else if (sum > left)
-    {
-      sink.weightRule(false, {}, left + 1, open);
+      if (part.left < 0)
+      {
+        sink.contradiction();
+      }
+      else if (part.sum > part.left)
+      {
+        sink.weightRule(false, {}, part.left + 1, part.open);
+      }
     }
   }
 }

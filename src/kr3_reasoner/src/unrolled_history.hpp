@@ -24,6 +24,18 @@ struct AssumedLiteral
 /// Assumptions that are in none are left out.
 using SettledAssumptions = std::unordered_map<Clingo::Symbol, SolverLiteral>;
 
+/// What an explanation costs, part by part: assumptions that hang together are one part, and parts
+/// that do not hang together have their least prices each for itself.
+struct PriceByPart
+{
+  std::vector<Price> parts = {Price{}};  ///< the first has what is in no other
+  std::unordered_map<Clingo::Symbol, std::size_t> part_of = {};
+
+  [[nodiscard]] Price total() const;
+  /// The part of what is assumed.
+  [[nodiscard]] std::size_t partOf(Clingo::Symbol what) const;
+};
+
 /// A history as a path of states, written into a solver without grounding anything anew. It has the
 /// answer sets of HistoryProgram's text. Private to the package.
 class UnrolledHistory
@@ -75,8 +87,8 @@ public:
   /// The literals of all atoms of the closure; none when the history was progressed.
   [[nodiscard]] const std::vector<SolverLiteral>& closureValues() const { return closure_values_; }
 
-  /// Only explanations of at most this price. Nothing is open when the price is 0.
-  void bound(const Price& price, RuleSink& sink) const;
+  /// Only explanations of which no part costs more than this. Nothing is open when the price is 0.
+  void bound(const PriceByPart& price, RuleSink& sink) const;
   void minimize(RuleSink& sink) const;
 
   /// If switchable: the literal of each record's being there.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <random>
 
@@ -85,6 +86,34 @@ TEST(Diagnosis, GivesEachAlternativeItsPriceAndDefaults)
                                        ? std::vector<std::string>{"d1(tb1)"}
                                        : std::vector<std::string>{});
   }
+}
+
+// Explanations of things that do not hang together are put together from those of each thing; a
+// search that takes all their prices as one sum does not end within the limit.
+TEST(Diagnosis, ExplainsThingsThatDoNotHangTogetherEachForItself)
+{
+  constexpr int kThings = 10;
+  constexpr int kSteps = 8;
+  Reasoner reasoner(parseDescription(
+      "sorts\n thing = 1..10.\n shelf = 1..12.\nfluents\n inertial on(thing) : shelf.\n"
+      "actions\n exogenous slip(thing, shelf).\n"
+      "axioms\n slip(T, S) causes on(T) = S.\n impossible slip(T, S) if on(T) = S.\n",
+      "f"));
+  std::string history;
+  for (int thing = 1; thing <= kThings; ++thing)
+  {
+    const std::string on = "obs(on(" + std::to_string(thing) + ") = ";
+    history += on + "1, true, 0). " + on + "2, true, " + std::to_string(kSteps / 2) + "). " + on +
+               "3, true, " + std::to_string(kSteps) + "). ";
+  }
+  reasoner.setHistory(parseHistory(history, "h", reasoner.description()));
+  reasoner.setLimits({std::chrono::seconds(60), nullptr});
+  EXPECT_EQ(reasoner.diagnose().cost, 2 * kThings);
+  using Values = std::vector<std::string>;
+  EXPECT_EQ(reasoner.possibleValues("on(1)", 1), (Values{"1", "2"}));
+  EXPECT_EQ(reasoner.possibleValues("on(10)", kSteps - 1), (Values{"2", "3"}));
+  EXPECT_EQ(reasoner.entails("on(5) != 12", 1), Answer::kTrue);
+  EXPECT_TRUE(reasoner.plan("on(1) = 3").goal_entailed);
 }
 
 TEST(Diagnosis, NamesTheLinesOfConflictingRecords)
