@@ -335,7 +335,8 @@ Narration Narrator::diagnosis(const std::vector<std::string>& surprises,
     if (!fresh.empty())
       text += ": " + inWords(fresh, defaults_of);
     if (others > 0)
-      text += ", or one of " + std::to_string(others) + " other explanations";
+      text += std::string(", or one of ") + (diagnosis.complete ? "" : "more than ") +
+              std::to_string(others) + " other explanations";
   }
   if (!expectations.empty())
     text += "; now expected " + listed(expectations);

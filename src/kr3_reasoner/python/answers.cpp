@@ -39,12 +39,22 @@ void bindDiagnosis(py::module_& module)
       .def_readonly("assumptions", &ExplanationAlternative::assumptions, "its elements")
       .def_readonly("price", &ExplanationAlternative::price, "the sum over its elements")
       .def_readonly("in_words", &ExplanationAlternative::in_words, "for people");
+  py::class_<ExplanationPart>(module, "ExplanationPart",
+                              "What explains a part of what is unexpected; any of its explanations "
+                              "goes with any of those of the other parts.")
+      .def_readonly("price", &ExplanationPart::price, "of each of them")
+      .def_readonly("explanations", &ExplanationPart::explanations, "lists of statements")
+      .def_readonly("in_words", &ExplanationPart::in_words, "each for people")
+      .def_readonly("complete", &ExplanationPart::complete, "whether there are no others");
   py::class_<Diagnosis>(module, "Diagnosis", "Minimal explanations of the history.")
       .def_readonly("consistent", &Diagnosis::consistent, "whether there is an explanation")
       .def_readonly("cost", &Diagnosis::cost, "minimal price")
       .def_readonly("explanations", &Diagnosis::explanations, "lists of statements")
       .def_readonly("in_words", &Diagnosis::in_words, "each explanation for people")
       .def_readonly("alternatives", &Diagnosis::alternatives, "the same, with prices and reasons")
+      .def_readonly("complete", &Diagnosis::complete,
+                    "whether explanations has all of them, not the first 200 of more")
+      .def_readonly("parts", &Diagnosis::parts, "of which the explanations are put together")
       .def_readonly("conflict", &Diagnosis::conflict,
                     "when inconsistent: a minimal set of conflicting records")
       .def_readonly("conflict_records", &Diagnosis::conflict_records,

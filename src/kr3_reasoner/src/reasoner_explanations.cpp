@@ -2,10 +2,35 @@
 #include <utility>
 
 #include "explain.hpp"
+#include "minimal_explanations.hpp"
 #include "reasoner_impl.hpp"
 
 namespace kr3::reasoner
 {
+
+namespace
+{
+
+ExplanationPart inWords(const PartExplanations& part, const Words& words)
+{
+  ExplanationPart said;
+  said.price = part.price.sum();
+  said.complete = part.complete;
+  for (const auto& alternative : part.alternatives)
+  {
+    said.explanations.emplace_back();
+    said.in_words.emplace_back();
+    for (const Clingo::Symbol& assumed : alternative)
+    {
+      const Assumption assumption = words.assumption(assumed);
+      said.explanations.back().push_back(assumption.statement);
+      said.in_words.back() += (said.in_words.back().empty() ? "" : "; ") + assumption.sentence;
+    }
+  }
+  return said;
+}
+
+}  // namespace
 
 Diagnosis Reasoner::diagnose() const
 {
@@ -32,9 +57,14 @@ Diagnosis Reasoner::diagnose() const
   }
   diagnosis.cost = optimum->price.total().sum();
   const Words words = impl_->words();
-  const auto explanations =
+  const MinimalExplanations found =
       explanationsOf(impl_->program(), impl_->records(), impl_->currentStep(), *optimum);
-  for (const auto& explanation : explanations)
+  diagnosis.complete = found.complete;
+  for (const PartExplanations& part : found.parts)
+  {
+    diagnosis.parts.push_back(inWords(part, words));
+  }
+  for (const auto& explanation : found.wholes)
   {
     ExplanationAlternative alternative;
     alternative.price = diagnosis.cost;
@@ -52,8 +82,8 @@ Diagnosis Reasoner::diagnose() const
   }
   if (first == 0)  // else what called for an assumption may be a record that is no longer kept
   {
-    impl_->justify(diagnosis.alternatives, explanations,
-                   std::min(explanations.size(), kMaxJustifiedAlternatives));
+    impl_->justify(diagnosis.alternatives, found.wholes,
+                   std::min(found.wholes.size(), kMaxJustifiedAlternatives));
   }
   return diagnosis;
 }
@@ -76,8 +106,10 @@ Diagnosis Reasoner::minimalExplanations() const
   }
   diagnosis.cost = optimum->price.total().sum();
   const Words words = impl_->words();
-  for (const auto& explanation :
-       explanationsOf(impl_->program(), impl_->records(), impl_->currentStep(), *optimum))
+  const MinimalExplanations found =
+      explanationsOf(impl_->program(), impl_->records(), impl_->currentStep(), *optimum);
+  diagnosis.complete = found.complete;
+  for (const auto& explanation : found.wholes)
   {
     diagnosis.explanations.emplace_back();
     for (const Clingo::Symbol& assumed : explanation)

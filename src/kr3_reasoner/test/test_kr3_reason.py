@@ -1,6 +1,7 @@
 """The command-line tool kr3_reason: its answers, its errors with their places, its exit codes."""
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -120,6 +121,38 @@ def test_diagnose_prices_what_it_assumes(history):
     dear = answer(*ask, *dark, "--exogenous", "--default-weight", "sound=5")
     assert [e["statements"] for e in dear["explanations"]] == [["break_down(red) at 0"]]
     assert answer(*ask, *dark, "--exogenous-weight", "3", "--exception-weight", "2")["cost"] == 2
+
+
+CLOCKS = """
+sorts
+  clock = {hall, attic}.
+fluents
+  inertial runs(clock).
+actions
+  exogenous stop(clock).
+  wind(clock).
+axioms
+  stop(C) causes -runs(C).
+  wind(C) causes runs(C).
+  impossible stop(C) if -runs(C).
+defaults
+  wound(C): runs(C) if clock(C).
+"""
+
+
+def test_diagnose_tells_parts_that_do_not_hang_together(tmp_path):
+    domain = tmp_path / "clocks.kr3"
+    domain.write_text(CLOCKS)
+    ask = ("diagnose", domain, "--exogenous", "--assume", "obs(runs(hall), false, 2)")
+    ask += ("--assume", "obs(runs(attic), false, 1)")
+    reply = answer(*ask)
+    parts = reply["parts"]
+    assert sorted(len(part["explanations"]) for part in parts) == [2, 3]
+    assert [part["price"] for part in parts] == [1, 1] and reply["cost"] == 2
+    assert len(reply["explanations"]) == math.prod(len(part["explanations"]) for part in parts)
+    assert reply["complete"] and all(part["complete"] for part in parts)
+    text = run(*ask).stdout
+    assert text.startswith("2 parts") and text.count("init(runs(hall), false)") == 1
 
 
 def test_diagnose_names_a_conflict_with_its_lines(tmp_path):

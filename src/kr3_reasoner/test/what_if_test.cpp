@@ -108,7 +108,17 @@ TEST(Diagnosis, ExplainsThingsThatDoNotHangTogetherEachForItself)
   }
   reasoner.setHistory(parseHistory(history, "h", reasoner.description()));
   reasoner.setLimits({std::chrono::seconds(60), nullptr});
-  EXPECT_EQ(reasoner.diagnose().cost, 2 * kThings);
+  const Diagnosis diagnosis = reasoner.diagnose();
+  EXPECT_EQ(diagnosis.cost, 2 * kThings);
+  ASSERT_EQ(diagnosis.parts.size(), static_cast<std::size_t>(kThings));
+  for (const ExplanationPart& part : diagnosis.parts)
+  {
+    EXPECT_EQ(part.price, 2);
+    EXPECT_EQ(part.explanations.size(), 16U);  // it slipped at one of four steps, and again so
+    EXPECT_TRUE(part.complete);
+  }
+  EXPECT_EQ(diagnosis.explanations.size(), 200U);
+  EXPECT_FALSE(diagnosis.complete);
   using Values = std::vector<std::string>;
   EXPECT_EQ(reasoner.possibleValues("on(1)", 1), (Values{"1", "2"}));
   EXPECT_EQ(reasoner.possibleValues("on(10)", kSteps - 1), (Values{"2", "3"}));

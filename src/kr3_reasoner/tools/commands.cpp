@@ -335,7 +335,23 @@ Reply diagnose(const Arguments& arguments)
                             {"price", diagnosis.alternatives[i].price},
                             {"assumptions", assumptions}});
   }
-  return {{{"consistent", true}, {"cost", diagnosis.cost}, {"explanations", explanations}}, true};
+  Json parts = Json::array();
+  for (const ExplanationPart& part : diagnosis.parts)
+  {
+    parts.push_back(
+        {{"price", part.price}, {"complete", part.complete}, {"explanations", Json::array()}});
+    for (std::size_t i = 0; i < part.explanations.size(); ++i)
+    {
+      parts.back()["explanations"].push_back(
+          {{"statements", part.explanations[i]}, {"in_words", part.in_words[i]}});
+    }
+  }
+  return {{{"consistent", true},
+           {"cost", diagnosis.cost},
+           {"complete", diagnosis.complete},
+           {"explanations", explanations},
+           {"parts", parts}},
+          true};
 }
 
 Reply plan(const Arguments& arguments)

@@ -129,6 +129,20 @@ std::string modelsText(const Json& answer)
                                                       " of more (--limit N, --all)\n");
 }
 
+std::string explanationLines(const Json& answer, const std::string& price)
+{
+  const Json& explanations = answer["explanations"];
+  const bool complete = answer["complete"].get<bool>();
+  std::string text = (complete ? "" : "the first ") + counted(explanations.size(), "explanation") +
+                     (complete ? "" : " of more") + " at the minimal price of " + price + ":\n";
+  for (std::size_t i = 0; i < explanations.size(); ++i)
+  {
+    text += "  " + std::to_string(i + 1) + ". " + explanations[i]["in_words"].get<std::string>() +
+            "\n     " + joined(explanations[i]["statements"], "; ") + "\n";
+  }
+  return text;
+}
+
 std::string diagnoseText(const Json& answer)
 {
   if (!answer["consistent"].get<bool>())
@@ -140,13 +154,20 @@ std::string diagnoseText(const Json& answer)
   {
     return "Nothing unexpected: the history needs no explanation.\n";
   }
-  const Json& explanations = answer["explanations"];
-  std::string text = counted(explanations.size(), "explanation") + " at the minimal price of " +
-                     answer["cost"].dump() + ":\n";
-  for (std::size_t i = 0; i < explanations.size(); ++i)
+  const std::string price = answer["cost"].dump();
+  if (answer["parts"].size() < 2 || answer["explanations"].size() == 1)
   {
-    text += "  " + std::to_string(i + 1) + ". " + explanations[i]["in_words"].get<std::string>() +
-            "\n     " + joined(explanations[i]["statements"], "; ") + "\n";
+    return explanationLines(answer, price);
+  }
+  const Json& parts = answer["parts"];
+  std::string text =
+      std::to_string(parts.size()) +
+      " parts that do not hang together, one explanation of each at the minimal price of " + price +
+      " in all.\n";
+  for (std::size_t i = 0; i < parts.size(); ++i)
+  {
+    const Json& part = parts[i];
+    text += "Part " + std::to_string(i + 1) + ": " + explanationLines(part, part["price"].dump());
   }
   return text;
 }

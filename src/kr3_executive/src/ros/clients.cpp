@@ -177,6 +177,7 @@ reasoner::Diagnosis RosReasoner::diagnose()
   {
     diagnosis.in_words.push_back(alternative.in_words);
   }
+  diagnosis.complete = service.response.complete;
   return diagnosis;
 }
 

@@ -56,6 +56,16 @@ enum class Answer : std::uint8_t
   kUnknown = 2
 };
 
+/// What explains a part of what is unexpected, such as that of one thing: any of these goes with
+/// any of those of the other parts.
+struct ExplanationPart
+{
+  int price = 0;
+  std::vector<std::vector<std::string>> explanations;  ///< as in Diagnosis, at most 200
+  std::vector<std::string> in_words;                   ///< each for people
+  bool complete = true;                                ///< there are no others
+};
+
 /// Minimal explanations of the history (paper, Definition 2).
 struct Diagnosis
 {
@@ -67,7 +77,9 @@ struct Diagnosis
   std::vector<std::string>
       in_words;  ///< each explanation for people, naming the default that is excepted
   std::vector<ExplanationAlternative> alternatives;  ///< the same, with prices and reasons
-  std::vector<std::string> conflict;  ///< when inconsistent: a minimal set of conflicting records
+  bool complete = true;  ///< `explanations` has all of them, not the first 200 of more
+  std::vector<ExplanationPart> parts;  ///< of which `explanations` are put together
+  std::vector<std::string> conflict;   ///< when inconsistent: a minimal set of conflicting records
   std::vector<std::size_t> conflict_records;  ///< the same, as indices into the history
   std::string conflict_in_words;              ///< with files and lines where records have them
 };

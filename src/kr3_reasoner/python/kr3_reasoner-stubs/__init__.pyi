@@ -225,6 +225,23 @@ class ExplanationAlternative:
     def in_words(self) -> str:
         """for people"""
 
+class ExplanationPart:
+    """What explains a part of what is unexpected; any of its explanations goes with any of
+    those of the other parts.
+    """
+    @property
+    def price(self) -> int:
+        """of each of them"""
+    @property
+    def explanations(self) -> list[list[str]]:
+        """lists of statements"""
+    @property
+    def in_words(self) -> list[str]:
+        """each for people"""
+    @property
+    def complete(self) -> bool:
+        """whether there are no others"""
+
 class Diagnosis:
     """Minimal explanations of the history."""
     @property
@@ -242,6 +259,12 @@ class Diagnosis:
     @property
     def alternatives(self) -> list[ExplanationAlternative]:
         """the same, with prices and reasons"""
+    @property
+    def complete(self) -> bool:
+        """whether explanations has all of them, not the first 200 of more"""
+    @property
+    def parts(self) -> list[ExplanationPart]:
+        """of which the explanations are put together"""
     @property
     def conflict(self) -> list[str]:
         """when inconsistent: a minimal set of conflicting records"""

@@ -179,6 +179,19 @@ kr3_msgs::Retraction toMsg(const Retraction& retraction)
   return message;
 }
 
+kr3_msgs::ExplanationPart toMsg(const ExplanationPart& part)
+{
+  kr3_msgs::ExplanationPart message;
+  message.price = static_cast<std::uint32_t>(part.price);
+  for (const std::vector<std::string>& explanation : part.explanations)
+  {
+    message.explanations.push_back(joined(explanation, "; "));
+  }
+  message.in_words = part.in_words;
+  message.complete = static_cast<std::uint8_t>(part.complete);
+  return message;
+}
+
 kr3_msgs::MinimalExplanation toMsg(const ExplanationAlternative& alternative)
 {
   kr3_msgs::MinimalExplanation message;

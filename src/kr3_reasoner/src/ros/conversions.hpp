@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <kr3_msgs/ExplanationPart.h>
 #include <kr3_msgs/HistoryModel.h>
 #include <kr3_msgs/HistoryRecord.h>
 #include <kr3_msgs/MakePlanGoal.h>
@@ -35,6 +36,7 @@ namespace kr3::reasoner
 [[nodiscard]] kr3_msgs::RelevantItem toMsg(const RelevantItem& item);
 [[nodiscard]] kr3_msgs::Retraction toMsg(const Retraction& retraction);
 [[nodiscard]] kr3_msgs::MinimalExplanation toMsg(const ExplanationAlternative& alternative);
+[[nodiscard]] kr3_msgs::ExplanationPart toMsg(const ExplanationPart& part);
 /// @param description  says in which form literals are written
 [[nodiscard]] kr3_msgs::HistoryModel toMsg(const HistoryModel& model,
                                            const Description& description);

@@ -276,6 +276,8 @@ void ReasonerNode::diagnose(const kr3_msgs::Diagnose::Request& request,
   {
     response.explanations.push_back(joined(explanation, "; "));
   }
+  response.complete = static_cast<std::uint8_t>(diagnosis.complete);
+  response.parts = toMsgs<kr3_msgs::ExplanationPart>(diagnosis.parts);
 }
 
 void ReasonerNode::explain(const kr3_msgs::ExplainLiteral::Request& request,
