@@ -14,16 +14,10 @@ constexpr double kDistanceStep = 0.04;   // m
 constexpr double kDistanceWeight = 4.0;  // metres of driving that a metre of discomfort is worth
 constexpr double kTurnWeight = 0.3;      // m / rad
 
-}  // namespace
-
-std::vector<Pose> approachPoses(const Point& object_map, const Pose& robot, const Grid& grid,
-                                const ApproachOptions& options)
+/// One in each direction at most, cheapest first.
+std::vector<Pose> posesAt(const ApproachOptions& options, const Point& object_map,
+                          const Pose& robot, const Grid& grid)
 {
-  if (!(options.min_distance_m > 0.0 && options.min_distance_m <= options.best_distance_m &&
-        options.best_distance_m <= options.max_distance_m) ||
-      options.num_directions <= 0)
-    throw InvalidArgument(
-        "approach distances must satisfy 0 < min <= best <= max, with at least one direction");
   struct Candidate
   {
     Pose pose;
@@ -59,6 +53,25 @@ std::vector<Pose> approachPoses(const Point& object_map, const Pose& robot, cons
   std::vector<Pose> poses;
   for (const Candidate& candidate : candidates)
     poses.push_back(candidate.pose);
+  return poses;
+}
+
+}  // namespace
+
+std::vector<Pose> approachPoses(const Point& object_map, const Pose& robot, const Grid& grid,
+                                const ApproachOptions& options)
+{
+  if (!(options.min_distance_m > 0.0 && options.min_distance_m <= options.best_distance_m &&
+        options.best_distance_m <= options.max_distance_m) ||
+      options.num_directions <= 0)
+    throw InvalidArgument(
+        "approach distances must satisfy 0 < min <= best <= max, with at least one direction");
+  std::vector<Pose> poses = posesAt(options, object_map, robot, grid);
+  ApproachOptions farther = options;
+  farther.min_distance_m = farther.best_distance_m = options.max_distance_m;
+  farther.max_distance_m = options.max_distance_m + options.creep_m;
+  const std::vector<Pose> from_there = posesAt(farther, object_map, robot, grid);
+  poses.insert(poses.end(), from_there.begin(), from_there.end());
   return poses;
 }
 

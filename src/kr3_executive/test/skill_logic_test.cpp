@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -165,12 +166,33 @@ TEST(ApproachPoses, AreFreeWithinReachFaceTheObjectAndComeCheapestFirst)
   {
     const double d = distance(pose.point(), object);
     EXPECT_GE(d, options.min_distance_m - 1e-9);
-    EXPECT_LE(d, options.max_distance_m + 1e-9);
+    EXPECT_LE(d, options.max_distance_m + options.creep_m + 1e-9);
     EXPECT_NEAR(wrapped(bearing(pose.point(), object) - pose.yaw), 0.0, 1e-9);
     EXPECT_TRUE(grid.isFree(pose.point(), options.robot_radius_m + options.clearance_m));
   }
+  EXPECT_LE(distance(poses.front().point(), object), options.max_distance_m + 1e-9);
+  EXPECT_GT(distance(poses.back().point(), object), options.max_distance_m - 1e-9);  // creeps
+  const auto near_ones = std::count_if(poses.begin(), poses.end(), [&](const Pose& pose) {
+    return distance(pose.point(), object) < options.max_distance_m - 1e-9;
+  });
+  ASSERT_GT(near_ones, 1);
   EXPECT_LT(distance(poses.front().point(), robot.point()),
-            distance(poses.back().point(), robot.point()));
+            distance(poses[static_cast<std::size_t>(near_ones) - 1].point(), robot.point()));
+}
+
+// Where a cell more than the table fills is occupied in the map, no pose is left within reach.
+TEST(ApproachPoses, AreALittleFartherOffWhereTheMapLeavesNoRoom)
+{
+  const Grid grid = roomWithTable();
+  const ApproachOptions options;
+  const Point object{3.85, 2.0};
+  const std::vector<Pose> poses = approachPoses(object, {1.0, 1.0, 0.0}, grid, options);
+  ASSERT_FALSE(poses.empty());
+  for (const Pose& pose : poses)
+  {
+    EXPECT_GE(distance(pose.point(), object), options.max_distance_m - 1e-9);
+    EXPECT_LE(distance(pose.point(), object), options.max_distance_m + options.creep_m + 1e-9);
+  }
 }
 
 TEST(ApproachPoses, AreNoneWhereTheObjectIsOutOfReach)
