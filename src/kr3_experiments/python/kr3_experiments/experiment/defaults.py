@@ -25,6 +25,7 @@ _SHARE_ROOMS = 9
 _QUICK_ROOMS = [4, 6]
 _QUICK_SHARES = [0.0, 0.8]
 _METHODS = ["pa", "pa_star"]
+_BACKUPS = 1000  # a policy: in a room of four cells more earn nothing (docs/coupling.md, docs/experiments.md)
 
 
 class Defaults:
@@ -36,7 +37,8 @@ class Defaults:
     protocol = (
         f"Four cells a room. An object is where its first default says with probability q, else in any other room, all"
         f" alike; three defaults in a chain. Floors of several sizes at q = {_HEADLINE:g}, and several q at"
-        f" {_SHARE_ROOMS} rooms. PA* has the same description without its defaults. The same worlds for both."
+        f" {_SHARE_ROOMS} rooms. PA* has the same description without its defaults. The same worlds for both. A policy"
+        f" has {_BACKUPS} backups at most."
     )
     labels: Mapping[str, Callable[[str], Any]] = {"method": str, "rooms": int, "share": float}
 
@@ -148,7 +150,11 @@ def _points(options: Options, settings: Sequence[Tuple[int, float]]) -> List[Poi
             label={"method": method, "rooms": rooms, "share": share},
             floor=Floor(rooms=rooms),
             target=TargetRule(rooms=rooms, usual=_USUAL, share=share),
-            job={"method": method, "max_hl_actions": 40 + 4 * rooms},
+            job={
+                "method": method,
+                "max_hl_actions": 40 + 4 * rooms,
+                "max_backups": _BACKUPS,
+            },
             seeds=options.seeds(full=10_000, quick=20),
         )
         for rooms, share in settings
