@@ -26,7 +26,7 @@ public:
   Tabulation(const LocalProgram& program, const TableLimits& limits, const SearchLimit& limit)
     : program_(program)
     , limits_(limits)
-    , solver_({"0", "--opt-strategy=bb", "--project=project", "--warn=none"}, limit)
+    , solver_({"0", "--opt-strategy=usc", "--project=project", "--warn=none"}, limit)
   {
     solver_.control().with_backend([&](Clingo::Backend& backend) {
       for (Clingo::atom_t atom = 0; atom < program_.num_atoms; ++atom)
@@ -169,10 +169,8 @@ private:
       solver_.configure("solve.opt_mode", "opt");
       solver_.configure("solve.models", "0");
       LocalTable::Row row;
-      std::vector<std::int64_t> cost;
       const bool found = solver_.solve([&](const Clingo::Model& model) {
         row = {valuesIn(model), {assumedIn(model)}};
-        cost = model.cost();
         return true;
       });
       if (!found)
@@ -187,7 +185,7 @@ private:
       const std::vector<SolverLiteral> literals = literalsOf(row.values);
       if (!row.explanations.front().empty())
       {
-        row.explanations = explanations(literals, cost);
+        row.explanations = explanations(literals);
       }
       table_.rows.push_back(std::move(row));
       RuleSink sink(solver_.control());
@@ -197,19 +195,17 @@ private:
   }
 
   [[nodiscard]] std::vector<std::vector<std::size_t>> explanations(
-      const std::vector<SolverLiteral>& row, const std::vector<std::int64_t>& cost)
+      const std::vector<SolverLiteral>& row)
   {
-    std::string mode = "enum";
-    for (const std::int64_t price : cost)
-    {
-      mode += "," + std::to_string(price);
-    }
-    solver_.configure("solve.opt_mode", mode);
+    solver_.configure("solve.opt_mode", "optN");
     solver_.configure("solve.models", std::to_string(limits_.max_explanations));
     std::vector<std::vector<std::size_t>> found;
     solver_.solve(
         [&](const Clingo::Model& model) {
-      found.push_back(assumedIn(model));
+      if (model.optimality_proven())
+      {
+        found.push_back(assumedIn(model));
+      }
       return true;
         },
         row);

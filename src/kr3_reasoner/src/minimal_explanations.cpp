@@ -22,7 +22,7 @@ std::vector<Clingo::Symbol> anExplanation(const HistoryProgram& program, const R
 {
   SolvedHistory solved(program, records, current_step, optimum, {"1", "--warn=none"});
   std::vector<Clingo::Symbol> assumed;
-  solved.solver.solve([&](const Clingo::Model& model) {
+  solved.forEachModel({}, [&](const Clingo::Model& model) {
     assumed = assumedIn(model, *solved.history);
     return false;
   });

@@ -214,7 +214,7 @@ std::optional<Optimum> minimalPrice(const HistoryProgram& program, const Records
     RuleSink sink(solved.solver.control());
     solved.history->bound(optimum.price, sink);
   }
-  solved.solver.configure("solve.opt_mode", "ignore");
+  solved.solver.configure("solve.opt_mode", "optN");
   const LiteralTruths truths(solved.solver, literalsOf(solved.history->assumptions()));
   for (const AssumedLiteral& assumption : solved.history->assumptions())
   {

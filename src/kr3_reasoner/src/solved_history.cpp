@@ -48,6 +48,12 @@ SolvedHistory::SolvedHistory(const HistoryProgram& program,
 {
   RuleSink sink(solver);
   history->bound(optimum.price, sink);
+  minimises = optimum.settled && history->minimize(sink);
+  if (minimises)
+  {
+    solver.configure("solver.opt_strategy", "usc");
+    solver.configure("solve.opt_mode", "optN");
+  }
 }
 
 void SolvedHistory::forEachModel(const std::vector<SolverLiteral>& literals,
@@ -57,7 +63,9 @@ void SolvedHistory::forEachModel(const std::vector<SolverLiteral>& literals,
   solver.control().with_backend([&](Clingo::Backend& backend) {
     backend.project({atoms.data(), atoms.size()});
   });
-  solver.solve(visit);
+  solver.solve([&](const Clingo::Model& model) {
+    return (minimises && !model.optimality_proven()) || visit(model);
+  });
 }
 
 std::vector<SolverLiteral> literalsOf(const std::vector<AssumedLiteral>& assumptions)

@@ -18,7 +18,9 @@ struct SolvedHistory
                 int current_step, const UnrolledHistory::Mode& mode,
                 const std::vector<std::string>& arguments, AtomComponents* components = nullptr);
 
-  /// With minimal explanations only.
+  /// With minimal explanations only. Where the optimum was searched for, the price is bounded and
+  /// minimised: the bound alone says as much, but to show that nothing else costs as little is a
+  /// matter of counting then, and the cores that prove a price minimal count.
   SolvedHistory(const HistoryProgram& program, const std::vector<CheckedRecord>& records,
                 int current_step, const Optimum& optimum,
                 const std::vector<std::string>& arguments);
@@ -33,6 +35,7 @@ struct SolvedHistory
   Solver solver;
   std::unique_ptr<UnrolledHistory> history;
   bool is_constant = false;  ///< nothing is left to solve
+  bool minimises = false;    ///< models before the optimum is proven are no answers
 };
 
 [[nodiscard]] std::vector<SolverLiteral> literalsOf(const std::vector<AssumedLiteral>& assumptions);

@@ -198,8 +198,9 @@ void UnrolledHistory::bound(const PriceByPart& price, RuleSink& sink) const
   }
 }
 
-void UnrolledHistory::minimize(RuleSink& sink) const
+bool UnrolledHistory::minimize(RuleSink& sink) const
 {
+  bool any = false;
   for (const bool retraction : {true, false})
   {
     std::vector<Clingo::WeightedLiteral> open;
@@ -213,8 +214,10 @@ void UnrolledHistory::minimize(RuleSink& sink) const
     if (!open.empty())
     {
       sink.minimize(retraction ? 2 : 1, open);
+      any = true;
     }
   }
+  return any;
 }
 
 // ---- Steps ----

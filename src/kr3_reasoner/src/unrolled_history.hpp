@@ -89,7 +89,8 @@ public:
 
   /// Only explanations of which no part costs more than this. Nothing is open when the price is 0.
   void bound(const PriceByPart& price, RuleSink& sink) const;
-  void minimize(RuleSink& sink) const;
+  /// @return whether there is anything to minimise
+  bool minimize(RuleSink& sink) const;
 
   /// If switchable: the literal of each record's being there.
   [[nodiscard]] const std::vector<SolverLiteral>& switches() const { return switches_; }

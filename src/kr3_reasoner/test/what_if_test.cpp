@@ -126,6 +126,33 @@ TEST(Diagnosis, ExplainsThingsThatDoNotHangTogetherEachForItself)
   EXPECT_TRUE(reasoner.plan("on(1) = 3").goal_entailed);
 }
 
+// Whatever is dearer than a thing that is moved ten times has to be ruled out; that nothing else is
+// as cheap follows from the ten gaps in which it must have been moved, not from trying.
+TEST(Diagnosis, CountsWhatHappenedToOneThingAgainAndAgain)
+{
+  constexpr int kMoves = 10;
+  constexpr int kGap = 4;
+  Reasoner reasoner(parseDescription(
+      "sorts\n thing = {cup}.\n shelf = 1..12.\nfluents\n inertial on(thing) : shelf.\n"
+      "actions\n exogenous slip(thing, shelf).\n"
+      "axioms\n slip(T, S) causes on(T) = S.\n impossible slip(T, S) if on(T) = S.\n",
+      "f"));
+  std::string history;
+  for (int i = 0; i <= kMoves; ++i)
+  {
+    history += "obs(on(cup) = " + std::to_string(1 + i % 2) + ", true, " +
+               std::to_string(i * kGap) + "). ";
+  }
+  reasoner.setHistory(parseHistory(history, "h", reasoner.description()));
+  reasoner.setLimits({std::chrono::seconds(60), nullptr});
+  EXPECT_EQ(reasoner.entails("on(cup) != 3", kGap / 2), Answer::kTrue);
+  EXPECT_EQ(reasoner.possible("on(cup) = 2", kGap / 2), true);
+  EXPECT_EQ(reasoner.models(10).size(), 10U);
+  EXPECT_EQ(reasoner.minimalExplanations().cost, kMoves);
+  EXPECT_EQ(reasoner.progress(kMoves * kGap).first_step, kMoves * kGap);
+  EXPECT_EQ(reasoner.entails("on(cup) = 1", kMoves * kGap), Answer::kTrue);
+}
+
 TEST(Diagnosis, NamesTheLinesOfConflictingRecords)
 {
   const Reasoner reasoner = office(
