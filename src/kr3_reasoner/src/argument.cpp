@@ -179,7 +179,7 @@ std::optional<Explainer::Argument> Explainer::argueIn(const Cited& kept, const I
 }
 
 void Explainer::justify(ExplanationAlternative& alternative,
-                        const std::vector<Clingo::Symbol>& assumed)
+                        const std::vector<Clingo::Symbol>& assumed, const std::vector<bool>& known)
 {
   Cited all;
   all.every_default = true;
@@ -195,7 +195,7 @@ void Explainer::justify(ExplanationAlternative& alternative,
   world.assumed = assumed;
   for (std::size_t i = 0; i < assumed.size(); ++i)
   {
-    const std::optional<Literal> subject = words_.subject(assumed[i]);
+    const std::optional<Literal> subject = known[i] ? std::nullopt : words_.subject(assumed[i]);
     if (!subject)
     {
       continue;

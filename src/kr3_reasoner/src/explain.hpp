@@ -39,7 +39,9 @@ public:
   [[nodiscard]] Explanation explain(const Literal& literal, int step);
 
   /// Fills in which records call for each assumption of a minimal explanation.
-  void justify(ExplanationAlternative& alternative, const std::vector<Clingo::Symbol>& assumed);
+  /// @param known  by assumption: it is filled in already
+  void justify(ExplanationAlternative& alternative, const std::vector<Clingo::Symbol>& assumed,
+               const std::vector<bool>& known);
 
 private:
   /// A proof in one world, or in several.

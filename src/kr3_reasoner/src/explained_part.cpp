@@ -157,16 +157,17 @@ std::optional<Explanation> ExplainedPart::explain(const Literal& literal, int st
 }
 
 void ExplainedPart::justify(ExplanationAlternative& alternative,
-                            const std::vector<Clingo::Symbol>& assumed)
+                            const std::vector<Clingo::Symbol>& assumed,
+                            const std::vector<bool>& known)
 {
   const Words words(description_, program_.options(), instances_, slice_.records);
   Explainer(description_, words, instances_, slice_.records, current_step_, limit_, nullptr)
-      .justify(alternative, assumed);
-  for (Assumption& assumption : alternative.assumptions)
+      .justify(alternative, assumed, known);
+  for (std::size_t i = 0; i < known.size(); ++i)
   {
-    for (std::size_t& record : assumption.because)
+    for (std::size_t& record : alternative.assumptions[i].because)
     {
-      record = record_numbers_[record];
+      record = known[i] ? record : record_numbers_[record];
     }
   }
 }

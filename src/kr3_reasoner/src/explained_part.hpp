@@ -27,7 +27,8 @@ public:
                                                    const Laws& whole);
 
   /// As Explainer::justify; all that is assumed is about what this part was made for.
-  void justify(ExplanationAlternative& alternative, const std::vector<Clingo::Symbol>& assumed);
+  void justify(ExplanationAlternative& alternative, const std::vector<Clingo::Symbol>& assumed,
+               const std::vector<bool>& known);
 
 private:
   int current_step_;

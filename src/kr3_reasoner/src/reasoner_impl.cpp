@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <utility>
 
 #include <kr3_common/error.hpp>
@@ -12,6 +13,74 @@
 
 namespace kr3::reasoner
 {
+
+namespace
+{
+
+/// Which records call for what is assumed, by part: what does not hang together is justified each
+/// for itself, once for all explanations that have it.
+class Justifications
+{
+public:
+  using Symbols = std::vector<Clingo::Symbol>;
+
+  explicit Justifications(const PriceByPart& parts) : parts_(parts) {}
+
+  /// Fills in what is known. @return by assumption, whether it was
+  std::vector<bool> fill(ExplanationAlternative& alternative, const Symbols& assumed) const
+  {
+    std::vector<bool> filled(assumed.size(), false);
+    for (const std::vector<std::size_t>& members : partsOf(assumed))
+    {
+      const auto found = known_.find(chosen(assumed, members));
+      for (std::size_t i = 0; found != known_.end() && i < members.size(); ++i)
+      {
+        alternative.assumptions[members[i]] = found->second[i];
+        filled[members[i]] = true;
+      }
+    }
+    return filled;
+  }
+
+  void keep(const ExplanationAlternative& alternative, const Symbols& assumed)
+  {
+    for (const std::vector<std::size_t>& members : partsOf(assumed))
+    {
+      std::vector<Assumption>& kept = known_[chosen(assumed, members)];
+      kept.clear();
+      for (const std::size_t i : members)
+      {
+        kept.push_back(alternative.assumptions[i]);
+      }
+    }
+  }
+
+private:
+  [[nodiscard]] std::vector<std::vector<std::size_t>> partsOf(const Symbols& assumed) const
+  {
+    std::vector<std::vector<std::size_t>> members(parts_.parts.size());
+    for (std::size_t i = 0; i < assumed.size(); ++i)
+    {
+      members[parts_.partOf(assumed[i])].push_back(i);
+    }
+    return members;
+  }
+
+  static Symbols chosen(const Symbols& assumed, const std::vector<std::size_t>& members)
+  {
+    Symbols symbols;
+    for (const std::size_t i : members)
+    {
+      symbols.push_back(assumed[i]);
+    }
+    return symbols;
+  }
+
+  const PriceByPart& parts_;
+  std::map<Symbols, std::vector<Assumption>> known_;
+};
+
+}  // namespace
 
 Reasoner::Impl::Impl(std::shared_ptr<DomainKnowledge> knowledge, int least_step,
                      std::shared_ptr<const Beginning> beginning)
@@ -273,20 +342,24 @@ void Reasoner::Impl::justify(std::vector<ExplanationAlternative>& alternatives,
       }
     }
   }
+  std::optional<ExplainedPart> part;
+  std::optional<Explainer> whole;
   if (in_part && !about.empty())
   {
-    ExplainedPart part(*knowledge_, records_, currentStep(), about, program().limit());
-    for (std::size_t i = 0; i < count; ++i)
-    {
-      part.justify(alternatives[i], assumed[i]);
-    }
-    return;
+    part.emplace(*knowledge_, records_, currentStep(), about, program().limit());
   }
-  Explainer explainer(description(), here, instances(), records_, currentStep(), program().limit(),
-                      nullptr);
+  else
+  {
+    whole.emplace(description(), here, instances(), records_, currentStep(), program().limit(),
+                  nullptr);
+  }
+  Justifications justified(requiredOptimum().price);
   for (std::size_t i = 0; i < count; ++i)
   {
-    explainer.justify(alternatives[i], assumed[i]);
+    const std::vector<bool> known = justified.fill(alternatives[i], assumed[i]);
+    part ? part->justify(alternatives[i], assumed[i], known)
+         : whole->justify(alternatives[i], assumed[i], known);
+    justified.keep(alternatives[i], assumed[i]);
   }
 }
 
