@@ -21,6 +21,8 @@ METHOD_NAMES = {
 }
 COLOURS = ["#1f5fa8", "#c2410c", "#15803d", "#7e22ce", "#b8860b", "#475569", "#be123c", "#0e7490"]
 MARKERS = ["o", "s", "^", "D", "v", "P", "X", "*"]
+_MOST_INSIDE = 3  # curves whose names fit into a figure
+_APART = 0.006  # of curves whose values coincide: shares of the width
 _LEAST_TRIALS = 30  # of what has a share of a point's trials
 
 
@@ -146,6 +148,14 @@ class Curve:
     ys: Sequence[Estimate]
 
 
+def _shifted(xs: Sequence[float], all_xs: Sequence[float], share: float, log: bool) -> List[float]:
+    """To the side by a share of the width of an axis."""
+    if not all_xs:
+        return list(xs)
+    first, last = min(all_xs), max(all_xs)
+    return [x * (last / first) ** share if log else x + (last - first) * share for x in xs]
+
+
 def plot(
     curves: Sequence[Curve], x_label: str, y_label: str, log_x: bool = False, log_y: bool = False
 ) -> Figure:
@@ -153,12 +163,13 @@ def plot(
     figure = Figure(figsize=(7.0, 4.2), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
+    all_xs = sorted({x for curve in curves for x in curve.xs})
     for i, curve in enumerate(curves):
         values = [y.value for y in curve.ys]
         below = [max(0.0, y.value - y.low) for y in curve.ys]
         above = [max(0.0, y.high - y.value) for y in curve.ys]
         axes.errorbar(
-            curve.xs,
+            _shifted(curve.xs, all_xs, _APART * (i - (len(curves) - 1) / 2), log_x),
             values,
             yerr=[below, above],
             label=curve.name,
@@ -170,8 +181,7 @@ def plot(
         )
     if log_x:
         axes.set_xscale("log")
-        ticks = sorted({x for curve in curves for x in curve.xs})
-        axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+        axes.set_xticks(all_xs, [f"{tick:g}" for tick in all_xs])
         axes.minorticks_off()
     if log_y:
         axes.set_yscale("log")
@@ -180,7 +190,9 @@ def plot(
     axes.set_ylabel(y_label)
     axes.grid(True, color="#e3e8ee")
     axes.spines[["top", "right"]].set_visible(False)
-    if len(curves) > 1:
+    if len(curves) > _MOST_INSIDE:
+        axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.01, 1.0))
+    elif len(curves) > 1:
         axes.legend(frameon=False)
     return figure
 
