@@ -16,24 +16,11 @@ using Records = std::vector<CheckedRecord>;
 
 constexpr std::size_t kMaxExplanations = 200;  // of a part, and put together
 
-/// What one of the minimal explanations assumes.
-std::vector<Clingo::Symbol> anExplanation(const HistoryProgram& program, const Records& records,
-                                          int current_step, const Optimum& optimum)
-{
-  SolvedHistory solved(program, records, current_step, optimum, {"1", "--warn=none"});
-  std::vector<Clingo::Symbol> assumed;
-  solved.forEachModel({}, [&](const Clingo::Model& model) {
-    assumed = assumedIn(model, *solved.history);
-    return false;
-  });
-  return assumed;
-}
-
-/// How a part may be explained, the others being explained as they are in `one`.
+/// How a part may be explained, the others being explained in one way.
 PartExplanations partExplanations(const HistoryProgram& program, const Records& records,
-                                  int current_step, const Optimum& optimum, std::size_t part,
-                                  const std::vector<Clingo::Symbol>& one)
+                                  int current_step, const Optimum& optimum, std::size_t part)
 {
+  const std::vector<Clingo::Symbol>& one = optimum.explanation;
   PartExplanations found;
   found.price = optimum.price.parts[part];
   std::vector<Clingo::Symbol> settled;
@@ -135,10 +122,9 @@ MinimalExplanations explanationsOf(const HistoryProgram& program, const Records&
     found.wholes = {{}};
     return found;
   }
-  const std::vector<Clingo::Symbol> one = anExplanation(program, records, current_step, optimum);
   for (std::size_t i = 0; i < optimum.price.parts.size(); ++i)
   {
-    PartExplanations part = partExplanations(program, records, current_step, optimum, i, one);
+    PartExplanations part = partExplanations(program, records, current_step, optimum, i);
     if (part.price.sum() > 0)
     {
       found.parts.push_back(std::move(part));

@@ -195,20 +195,20 @@ std::optional<Optimum> minimalPrice(const HistoryProgram& program, const Records
   Optimum optimum{assumable, partsOf(solved.history->assumptions(), components), 0,
                   SettledAssumptions{}};
   const bool consistent = solved.solver.solve([&](const Clingo::Model& model) {
-    std::fill(optimum.price.parts.begin(), optimum.price.parts.end(), Price{});
-    for (const AssumedLiteral& assumption : solved.history->assumptions())
-    {
-      if (isTrue(assumption.literal, model))
-      {
-        Price& part = optimum.price.parts[optimum.price.partOf(assumption.what)];
-        (assumption.is_retraction ? part.retractions : part.assumptions) += assumption.price;
-      }
-    }
+    optimum.explanation = assumedIn(model, *solved.history);
     return true;
   });
   if (!consistent)
   {
     return std::nullopt;
+  }
+  for (const AssumedLiteral& assumption : solved.history->assumptions())
+  {
+    if (std::binary_search(optimum.explanation.begin(), optimum.explanation.end(), assumption.what))
+    {
+      Price& part = optimum.price.parts[optimum.price.partOf(assumption.what)];
+      (assumption.is_retraction ? part.retractions : part.assumptions) += assumption.price;
+    }
   }
   {
     RuleSink sink(solved.solver.control());

@@ -19,6 +19,8 @@ struct Optimum
   int level = 0;  ///< how many kinds of assumption did not suffice, see findOptimum
   /// Nothing: not known, so that all that is assumable may be assumed.
   std::optional<SettledAssumptions> settled = std::nullopt;
+  /// What one of the minimal explanations assumes, sorted; if settled.
+  std::vector<Clingo::Symbol> explanation = {};
   /// The history, when all of it is constant, so that it need not be unrolled again; or nullptr.
   std::shared_ptr<UnrolledHistory> constant_history = nullptr;
 };

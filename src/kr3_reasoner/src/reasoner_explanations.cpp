@@ -11,21 +11,40 @@ namespace kr3::reasoner
 namespace
 {
 
+/// What an explanation assumes, without what called for it.
+ExplanationAlternative inWords(const std::vector<Clingo::Symbol>& explanation, int price,
+                               const Words& words)
+{
+  ExplanationAlternative said;
+  said.price = price;
+  for (const Clingo::Symbol& assumed : explanation)
+  {
+    said.assumptions.push_back(words.assumption(assumed));
+    said.in_words += (said.in_words.empty() ? "" : "; ") + said.assumptions.back().sentence;
+  }
+  return said;
+}
+
+std::vector<std::string> statementsOf(const ExplanationAlternative& alternative)
+{
+  std::vector<std::string> statements;
+  for (const Assumption& assumption : alternative.assumptions)
+  {
+    statements.push_back(assumption.statement);
+  }
+  return statements;
+}
+
 ExplanationPart inWords(const PartExplanations& part, const Words& words)
 {
   ExplanationPart said;
   said.price = part.price.sum();
   said.complete = part.complete;
-  for (const auto& alternative : part.alternatives)
+  for (const auto& explanation : part.alternatives)
   {
-    said.explanations.emplace_back();
-    said.in_words.emplace_back();
-    for (const Clingo::Symbol& assumed : alternative)
-    {
-      const Assumption assumption = words.assumption(assumed);
-      said.explanations.back().push_back(assumption.statement);
-      said.in_words.back() += (said.in_words.back().empty() ? "" : "; ") + assumption.sentence;
-    }
+    ExplanationAlternative alternative = inWords(explanation, said.price, words);
+    said.explanations.push_back(statementsOf(alternative));
+    said.in_words.push_back(std::move(alternative.in_words));
   }
   return said;
 }
@@ -66,17 +85,8 @@ Diagnosis Reasoner::diagnose() const
   }
   for (const auto& explanation : found.wholes)
   {
-    ExplanationAlternative alternative;
-    alternative.price = diagnosis.cost;
-    std::vector<std::string> statements;
-    for (const Clingo::Symbol& assumed : explanation)
-    {
-      alternative.assumptions.push_back(words.assumption(assumed));
-      statements.push_back(alternative.assumptions.back().statement);
-      alternative.in_words +=
-          (alternative.in_words.empty() ? "" : "; ") + alternative.assumptions.back().sentence;
-    }
-    diagnosis.explanations.push_back(std::move(statements));
+    ExplanationAlternative alternative = inWords(explanation, diagnosis.cost, words);
+    diagnosis.explanations.push_back(statementsOf(alternative));
     diagnosis.in_words.push_back(alternative.in_words);
     diagnosis.alternatives.push_back(std::move(alternative));
   }

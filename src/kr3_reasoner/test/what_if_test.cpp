@@ -88,17 +88,25 @@ TEST(Diagnosis, GivesEachAlternativeItsPriceAndDefaults)
   }
 }
 
+/// Things on twelve shelves that somebody moves; questions end after a minute.
+Reasoner shelves(const std::string& things)
+{
+  Reasoner reasoner(parseDescription(
+      "sorts\n thing = " + things + ".\n shelf = 1..12.\nfluents\n inertial on(thing) : shelf.\n" +
+          "actions\n exogenous slip(thing, shelf).\n" +
+          "axioms\n slip(T, S) causes on(T) = S.\n impossible slip(T, S) if on(T) = S.\n",
+      "f"));
+  reasoner.setLimits({std::chrono::seconds(60), nullptr});
+  return reasoner;
+}
+
 // Explanations of things that do not hang together are put together from those of each thing; a
 // search that takes all their prices as one sum does not end within the limit.
 TEST(Diagnosis, ExplainsThingsThatDoNotHangTogetherEachForItself)
 {
   constexpr int kThings = 10;
   constexpr int kSteps = 8;
-  Reasoner reasoner(parseDescription(
-      "sorts\n thing = 1..10.\n shelf = 1..12.\nfluents\n inertial on(thing) : shelf.\n"
-      "actions\n exogenous slip(thing, shelf).\n"
-      "axioms\n slip(T, S) causes on(T) = S.\n impossible slip(T, S) if on(T) = S.\n",
-      "f"));
+  Reasoner reasoner = shelves("1..10");
   std::string history;
   for (int thing = 1; thing <= kThings; ++thing)
   {
@@ -107,7 +115,6 @@ TEST(Diagnosis, ExplainsThingsThatDoNotHangTogetherEachForItself)
                "3, true, " + std::to_string(kSteps) + "). ";
   }
   reasoner.setHistory(parseHistory(history, "h", reasoner.description()));
-  reasoner.setLimits({std::chrono::seconds(60), nullptr});
   const Diagnosis diagnosis = reasoner.diagnose();
   EXPECT_EQ(diagnosis.cost, 2 * kThings);
   ASSERT_EQ(diagnosis.parts.size(), static_cast<std::size_t>(kThings));
@@ -132,11 +139,7 @@ TEST(Diagnosis, CountsWhatHappenedToOneThingAgainAndAgain)
 {
   constexpr int kMoves = 10;
   constexpr int kGap = 4;
-  Reasoner reasoner(parseDescription(
-      "sorts\n thing = {cup}.\n shelf = 1..12.\nfluents\n inertial on(thing) : shelf.\n"
-      "actions\n exogenous slip(thing, shelf).\n"
-      "axioms\n slip(T, S) causes on(T) = S.\n impossible slip(T, S) if on(T) = S.\n",
-      "f"));
+  Reasoner reasoner = shelves("{cup}");
   std::string history;
   for (int i = 0; i <= kMoves; ++i)
   {
@@ -144,7 +147,6 @@ TEST(Diagnosis, CountsWhatHappenedToOneThingAgainAndAgain)
                std::to_string(i * kGap) + "). ";
   }
   reasoner.setHistory(parseHistory(history, "h", reasoner.description()));
-  reasoner.setLimits({std::chrono::seconds(60), nullptr});
   EXPECT_EQ(reasoner.entails("on(cup) != 3", kGap / 2), Answer::kTrue);
   EXPECT_EQ(reasoner.possible("on(cup) = 2", kGap / 2), true);
   EXPECT_EQ(reasoner.models(10).size(), 10U);
