@@ -25,7 +25,7 @@ _SHARE_ROOMS = 9
 _QUICK_ROOMS = [4, 6]
 _QUICK_SHARES = [0.0, 0.8]
 _METHODS = ["pa", "pa_star"]
-_BACKUPS = 1000  # a policy: in a room of four cells more earn nothing (docs/coupling.md, docs/experiments.md)
+_BACKUPS = 1000  # a policy: in a room of four cells more hardly earn (docs/coupling.md)
 
 
 class Defaults:
