@@ -139,16 +139,22 @@ void CachedReasoner::restart(ConfidenceMatch match)
 
 void CachedReasoner::setHistory(const std::vector<Record>& records)
 {
-  tell(records, true);
+  tell(records, Told::How::kAnew);
 }
 
 void CachedReasoner::addRecords(const std::vector<Record>& records)
 {
-  tell(records, false);
+  tell(records, Told::How::kAdded);
 }
 
-void CachedReasoner::tell(const std::vector<Record>& records, bool anew)
+void CachedReasoner::suppose(const std::vector<Record>& records)
 {
+  tell(records, Told::How::kSupposed);
+}
+
+void CachedReasoner::tell(const std::vector<Record>& records, Told::How how)
+{
+  const bool anew = how != Told::How::kAdded;
   Fingerprint exact = empty_;
   Fingerprint below_one = empty_;
   if (!anew && !told_.empty())
@@ -160,7 +166,7 @@ void CachedReasoner::tell(const std::vector<Record>& records, bool anew)
   const int step_before = step_;
   step_ = std::max(anew ? 0 : step_, currentStep(records));
   told_.push_back(
-      {records, anew, extended(exact, records, true), extended(below_one, records, false)});
+      {records, how, extended(exact, records, true), extended(below_one, records, false)});
   try
   {
     if (match_ == ConfidenceMatch::kBelowOne)
@@ -168,7 +174,11 @@ void CachedReasoner::tell(const std::vector<Record>& records, bool anew)
       if (!situations_)
         situations_ = std::make_unique<reasoner::Situations>(description_, settings_.options);
       situations_->check(records);
-      follow(records, anew);
+      // From situation to situation is the longer way to what is asked once of a long history.
+      if (how == Told::How::kSupposed && isLong())
+        present_.reset();
+      else
+        follow(records, anew);
     }
     if (!present_)
       tellWhole(told_.back().below_one);
@@ -217,17 +227,16 @@ void CachedReasoner::becomeLong()
   is_long_ = true;
   applied_.clear();
   for (const Told& told : told_)
-    applied_.push_back(told.exact);
+    applied_.push_back({told.how, told.exact});
 }
 
 InProcessReasoner& CachedReasoner::current()
 {
   becomeLongIfDue();
-  const bool follows = applied_.size() <= told_.size() &&
-                       std::equal(applied_.begin(), applied_.end(), told_.begin(),
-                                  [](const Fingerprint& applied, const Told& told) {
-    return applied == told.exact;
-                       });
+  const bool follows =
+      applied_.size() <= told_.size() &&
+      std::equal(applied_.begin(), applied_.end(), told_.begin(),
+                 [](const Applied& applied, const Told& told) { return applied.is(told); });
   if (!follows)
   {
     applied_.clear();
@@ -237,7 +246,7 @@ InProcessReasoner& CachedReasoner::current()
   {
     const Told& next = told_[applied_.size()];
     next.tell(*reasoner_);
-    applied_.push_back(next.exact);
+    applied_.push_back({next.how, next.exact});
   }
   return *reasoner_;
 }
@@ -261,10 +270,15 @@ std::shared_ptr<InProcessReasoner> CachedReasoner::fresh() const
 
 void CachedReasoner::Told::tell(InProcessReasoner& reasoner) const
 {
-  if (anew)
-    reasoner.setHistory(records);
-  else
-    reasoner.addRecords(records);
+  switch (how)
+  {
+    case How::kAdded:
+      return reasoner.addRecords(records);
+    case How::kAnew:
+      return reasoner.setHistory(records);
+    case How::kSupposed:
+      return reasoner.suppose(records);
+  }
 }
 
 Fingerprint CachedReasoner::keyOf(const char* question, const std::string& text, int step,

@@ -187,7 +187,7 @@ double MissionDriver::surpriseWithout(const std::vector<std::size_t>& records)
     if (std::find(records.begin(), records.end(), i) == records.end())
       rest.push_back(knowledge_.history[i]);
   }
-  reasoner_.setHistory(rest);
+  reasoner_.suppose(rest);
   if (const auto exceptions = reasoner_.numExceptions())
   {
     double sum = 0.0;  // bit by bit as below

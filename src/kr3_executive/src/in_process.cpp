@@ -27,9 +27,14 @@ InProcessReasoner::InProcessReasoner(reasoner::Description description,
 
 void InProcessReasoner::setHistory(const std::vector<reasoner::Record>& records)
 {
+  suppose(records);
+  progressIfDue();
+}
+
+void InProcessReasoner::suppose(const std::vector<reasoner::Record>& records)
+{
   reasoner_.setHistory(records);
   window_.reset(records);
-  progressIfDue();
 }
 
 void InProcessReasoner::progressIfDue()

@@ -251,21 +251,56 @@ TEST_F(CachedReasonerTest, WhichRecordIsWrongDependsOnHowDoubtfulEachIs)
   EXPECT_NE(here.plans[0].steps, there.plans[0].steps);
 }
 
-TEST_F(CachedReasonerTest, ALongHistoryIsNotLookedUp)
+/// Longer than what a reasoner keeps step by step.
+std::vector<Record> walkedOnAndOn()
 {
-  constexpr int kWindow = kDefaultHistoryWindow;
+  constexpr int kSteps = kDefaultHistoryWindow * 3 / 2 + 4;
   std::vector<Record> steps;
-  for (int step = 0; step < kWindow * 3 / 2 + 4; ++step)
+  for (int step = 0; step < kSteps; ++step)
   {
     steps.push_back({RecordKind::kHappened,
                      step % 2 == 0 ? "move(rob1, kitchen)" : "move(rob1, corridor)", true, step});
   }
-  const auto corridor = reasoner::parseDescription(
+  return steps;
+}
+
+reasoner::Description twoPlaces()
+{
+  return reasoner::parseDescription(
       "sorts\n  place = {kitchen, corridor}.\n  robot = {rob1}.\n"
-      "fluents\n  inertial loc(robot) : place.\n"
+      "fluents\n  inertial loc(robot) : place.  inertial lit(place).\n"
       "actions\n  move(robot, place).\n"
-      "axioms\n  move(R, P) causes loc(R) = P.\n",
+      "axioms\n  move(R, P) causes loc(R) = P.\n"
+      "defaults\n  d1(P): lit(P).\n",
       "two_places.kr3");
+}
+
+TEST_F(CachedReasonerTest, WhatIsSupposedIsNotProgressed)
+{
+  std::vector<Record> steps = walkedOnAndOn();
+  steps.push_back({RecordKind::kObserved, "lit(kitchen)", false, 1});
+  InProcessReasoner plain(twoPlaces(), {});
+  CachedReasoner cached(twoPlaces(), {}, cache);
+  for (HighLevelReasoner* reasoner :
+       {static_cast<HighLevelReasoner*>(&plain), static_cast<HighLevelReasoner*>(&cached)})
+  {
+    reasoner->setHistory(steps);
+    const auto told = reasoner->minimalExplanations().explanations;
+    EXPECT_EQ(told, (std::vector<std::vector<std::string>>{{"init(lit(kitchen), false)"}}));
+    EXPECT_THROW(reasoner->entailedAt(1), Error) << "it is progressed over";
+    reasoner->suppose(steps);
+    EXPECT_EQ(reasoner->minimalExplanations().explanations, told);
+    EXPECT_FALSE(reasoner->entailedAt(1).empty());
+    reasoner->setHistory(steps);
+    EXPECT_THROW(reasoner->entailedAt(1), Error);
+  }
+}
+
+TEST_F(CachedReasonerTest, ALongHistoryIsNotLookedUp)
+{
+  constexpr int kWindow = kDefaultHistoryWindow;
+  const std::vector<Record> steps = walkedOnAndOn();
+  const auto corridor = twoPlaces();
   InProcessReasoner plain(corridor, {});
   CachedReasoner cached(corridor, {}, cache);
   for (const Record& record : steps)

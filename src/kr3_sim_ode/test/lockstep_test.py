@@ -3,6 +3,7 @@
 import hashlib
 import math
 import struct
+import subprocess
 import time
 import unittest
 
@@ -130,6 +131,8 @@ class LockstepTest(unittest.TestCase):
             rospy.wait_for_service("lockstep/register", timeout=TIMEOUT)
             state = Collector("lockstep/state", LockstepState)
             clock = Collector("/clock", Clock)
+            for collector in (state, clock):
+                self.addCleanup(collector.subscriber.unregister)
             driver = Driver()
             self.addCleanup(driver.close)
             driver.register(timeout=0.5)
@@ -143,6 +146,29 @@ class LockstepTest(unittest.TestCase):
             node.send_signal(2)
             output, _ = node.communicate(timeout=TIMEOUT)
         self.assertIn(f"'{NAME}' did not acknowledge", output)
+
+    def test_a_followed_node_that_subscribes_late_misses_no_input(self):
+        node = start_node("sim_node_late", real_time_factor=0.0, lockstep_consumers=["late"])
+        command = ["rosrun", "kr3_sim_ode", "lockstep_follow", "late", "echo", str(PERIOD)]
+        follower = subprocess.Popen([*command, "--timeout", "1000"])
+        try:
+            rospy.wait_for_service("lockstep/register", timeout=TIMEOUT)
+            echo = rospy.Publisher("echo", LaserScan, queue_size=100)
+            self.addCleanup(echo.unregister)
+            wait_until(lambda: echo.get_num_connections() > 0, "lockstep_follow listens")
+            time.sleep(1.0)  # it reads a map, say
+            scans = rospy.Subscriber("scan", LaserScan, echo.publish)
+            self.addCleanup(scans.unregister)
+            clock = Collector("/clock", Clock)
+            self.addCleanup(clock.subscriber.unregister)
+            wait_until(lambda: clock.messages, "the latched time")
+            start = clock.messages[0].clock
+            passed = 20 * PERIOD
+            wait_until(lambda: (clock.messages[-1].clock - start).to_sec() > passed, "time passes")
+        finally:
+            for process in (follower, node):
+                process.send_signal(2)
+                process.wait(timeout=TIMEOUT)
 
     def test_bad_requests_change_nothing(self):
         node = start_node("sim_node_bad", real_time_factor=0.0)

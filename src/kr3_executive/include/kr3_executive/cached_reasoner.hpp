@@ -87,6 +87,7 @@ public:
 
   void setHistory(const std::vector<reasoner::Record>& records) override;
   void addRecords(const std::vector<reasoner::Record>& records) override;
+  void suppose(const std::vector<reasoner::Record>& records) override;
   reasoner::Diagnosis diagnose() override;
   reasoner::Diagnosis minimalExplanations() override;
   bool isConsistent() override;
@@ -104,12 +105,28 @@ private:
   /// One call that told records, with what was told up to it.
   struct Told
   {
+    enum class How : std::uint8_t
+    {
+      kAdded,
+      kAnew,      ///< in the place of all that was told before
+      kSupposed,  ///< the same, by suppose()
+    };
+
     std::vector<reasoner::Record> records;
-    bool anew = false;  ///< in the place of all that was told before
+    How how = How::kAdded;
     Fingerprint exact;
     Fingerprint below_one;
 
     void tell(InProcessReasoner& reasoner) const;
+  };
+
+  /// What there is to know of a call that reached the reasoner.
+  struct Applied
+  {
+    Told::How how;
+    Fingerprint exact;
+
+    [[nodiscard]] bool is(const Told& told) const { return how == told.how && exact == told.exact; }
   };
 
   /// What the history says about the current step, by the names of `situation`.
@@ -125,7 +142,7 @@ private:
   };
 
   /// @throws InvalidArgument  a record does not fit the description; nothing was told then
-  void tell(const std::vector<reasoner::Record>& records, bool anew);
+  void tell(const std::vector<reasoner::Record>& records, Told::How how);
   void tellWhole(const Fingerprint& key);
   /// Follows the situation as far as it can be.
   void follow(const std::vector<reasoner::Record>& records, bool anew);
@@ -190,9 +207,9 @@ private:
   ConfidenceMatch match_ = ConfidenceMatch::kExact;
   Fingerprint empty_;  // of the description and the options
   std::vector<Told> told_;
-  int step_ = 0;                      // current one of what was told
-  bool is_long_ = false;              // the reasoner is this mission's own
-  std::vector<Fingerprint> applied_;  // of the calls that reached the reasoner, by `exact`
+  int step_ = 0;                                      // current one of what was told
+  bool is_long_ = false;                              // the reasoner is this mission's own
+  std::vector<Applied> applied_;                      // the calls that reached the reasoner
   std::unique_ptr<reasoner::Situations> situations_;  // made when it is first needed
   std::optional<Present> present_;                    // while the situation is followed
 };

@@ -22,6 +22,7 @@ public:
 
   void setHistory(const std::vector<reasoner::Record>& records) override;
   void addRecords(const std::vector<reasoner::Record>& records) override;
+  void suppose(const std::vector<reasoner::Record>& records) override;
   reasoner::Diagnosis diagnose() override;
   reasoner::Diagnosis minimalExplanations() override;
   bool isConsistent() override;

@@ -41,6 +41,9 @@ public:
   /// All records are taken or none. @throws InvalidArgument  a record does not fit the description
   virtual void setHistory(const std::vector<reasoner::Record>& records) = 0;
   virtual void addRecords(const std::vector<reasoner::Record>& records) = 0;
+  /// As setHistory(), for a question or two about what would be: however long the history is, it is
+  /// not progressed, which would take longer than they do.
+  virtual void suppose(const std::vector<reasoner::Record>& records) = 0;
 
   [[nodiscard]] virtual reasoner::Diagnosis diagnose() = 0;
   /// The same without reasons and words: consistency and minimal explanations.

@@ -106,11 +106,16 @@ std::vector<std::string> RosReasoner::missing()
 
 void RosReasoner::setHistory(const std::vector<reasoner::Record>& records)
 {
+  suppose(records);
+  progressIfDue();
+}
+
+void RosReasoner::suppose(const std::vector<reasoner::Record>& records)
+{
   kr3_msgs::SetHistory service;
   service.request.records = toMsg(records);
   callService(set_history_, service);
   window_.reset(records);
-  progressIfDue();
 }
 
 void RosReasoner::progressIfDue()

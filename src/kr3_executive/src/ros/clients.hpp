@@ -35,6 +35,7 @@ public:
 
   void setHistory(const std::vector<reasoner::Record>& records) override;
   void addRecords(const std::vector<reasoner::Record>& records) override;
+  void suppose(const std::vector<reasoner::Record>& records) override;
   reasoner::Diagnosis diagnose() override;
   reasoner::Answer entails(const std::string& literal, int step) override;
   bool possible(const std::string& literal, int step) override;

@@ -36,6 +36,7 @@ class Stack:
         self._environment.setdefault("ROS_IP", "127.0.0.1")
         self._environment["ROS_LOG_DIR"] = str(self._logs / "ros")
         self._environment["PYTHONUNBUFFERED"] = "1"
+        self._environment["ROSCONSOLE_STDOUT_LINE_BUFFERED"] = "1"  # a log ends where its node does
         self._helpers: List[ManagedProcess] = []
         self._uri = ""
         self._owns_master = False

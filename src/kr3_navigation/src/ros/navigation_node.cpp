@@ -97,7 +97,6 @@ NavigationNode::NavigationNode(const NavigationNodeConfig& config)
   markers_publisher_ =
       nh.advertise<visualization_msgs::MarkerArray>(names::kCellMarkers, 1, kLatched);
   path_publisher_ = nh.advertise<nav_msgs::Path>(names::kPath, 1, kLatched);
-  pose_publisher_ = nh.advertise<geometry_msgs::PoseWithCovarianceStamped>(names::kPose, 10);
   cmd_vel_publisher_ = nh.advertise<geometry_msgs::Twist>(names::kCmdVel, 10);
   tf_publisher_ = nh.advertise<tf2_msgs::TFMessage>(names::kTf, 100);
   if (config_.pose_source == PoseSource::kGroundTruth)
@@ -132,6 +131,8 @@ NavigationNode::NavigationNode(const NavigationNodeConfig& config)
   if (config_.pose_source == PoseSource::kGroundTruth)
     subscribers_.push_back(
         nh.subscribe(names::kGroundTruthPose, 200, &NavigationNode::onGroundTruth, this, fast));
+  // The last, so that who finds this topic knows that the node has subscribed to its inputs.
+  pose_publisher_ = nh.advertise<geometry_msgs::PoseWithCovarianceStamped>(names::kPose, 10);
 }
 
 void NavigationNode::stop()
