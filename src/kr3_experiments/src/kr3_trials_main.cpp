@@ -101,7 +101,8 @@ void run(const experiments::TrialJob& job, Laboratory& laboratory)
     setup.goal = goal;
     setup.truths = trial.truths;
     setup.seed = trial.seed;
-    setup.initial_records = missions.scenario().initial_records;
+    setup.initial_records = experiments::initialRecords(missions.scenario().initial_records, trial,
+                                                        missions.domain().highLevel());
     setup.limits = job.limits;
     PolicyNotes notes;
     const executive::TrialResult result = missions.run(setup, notes);

@@ -1,5 +1,6 @@
 #include "trial_job.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <map>
@@ -12,6 +13,8 @@ namespace
 {
 
 using nlohmann::json;
+using reasoner::Record;
+using reasoner::RecordKind;
 
 template <typename T>
 T valueOf(const json& value, const std::string& key)
@@ -139,11 +142,13 @@ std::vector<Trial> trialsOf(const json& values)
   {
     if (!value.is_object() || !value.contains("seed"))
       throw InvalidArgument("'trials': found " + value.dump() +
-                            ", expected {\"seed\": ..., \"truths\": [...]}");
+                            ", expected {\"seed\": ..., \"truths\": [...], \"initially\": [...]}");
     Trial trial;
     trial.seed = countOf<std::uint64_t>(value.at("seed"), "seed");
     if (value.contains("truths"))
       trial.truths = valueOf<std::vector<std::string>>(value.at("truths"), "truths");
+    if (value.contains("initially"))
+      trial.initially = valueOf<std::vector<std::string>>(value.at("initially"), "initially");
     trials.push_back(std::move(trial));
   }
   return trials;
@@ -191,6 +196,33 @@ TrialJob readTrialJob(const std::string& line)
     value.erase(key);  // of the mission, not of what is prepared for it
   job.configuration = value.dump();
   return job;
+}
+
+std::vector<Record> initialRecords(std::vector<Record> of_scenario, const Trial& trial,
+                                   const reasoner::Description& description)
+{
+  const auto atomOf = [&](const std::string& text) {
+    return reasoner::toString(reasoner::parseGroundLiteral(text, description).atom);
+  };
+  std::vector<Record> records = std::move(of_scenario);
+  for (const std::string& text : trial.initially)
+  {
+    const reasoner::Literal literal = reasoner::parseGroundLiteral(text, description);
+    if (!literal.equal)
+      throw InvalidArgument("'initially': found " + text + ", expected f = v, f or -f");
+    const std::string atom = reasoner::toString(literal.atom);
+    records.erase(std::remove_if(
+                      records.begin(), records.end(),
+                      [&](const Record& record) {
+      return record.kind == RecordKind::kInitially && atomOf(record.statement) == atom;
+                      }),
+                  records.end());
+    const std::string value = literal.value.name;
+    const bool boolean = value == "true" || value == "false";
+    records.push_back(
+        {RecordKind::kInitially, boolean ? atom : atom + " = " + value, value != "false"});
+  }
+  return records;
 }
 
 json rowOf(const TrialJob& job, const Trial& trial, const executive::TrialResult& result,

@@ -15,7 +15,8 @@ namespace kr3::experiments
 struct Trial
 {
   std::uint64_t seed = 1;
-  std::vector<std::string> truths;  ///< literals of the high level, such as "f(x) = v"
+  std::vector<std::string> truths;     ///< literals of the high level, such as "f(x) = v"
+  std::vector<std::string> initially;  ///< the same, known to the robot
 };
 
 /// Trials of one configuration. Everything that a row depends on is here and in the domain's files.
@@ -31,14 +32,22 @@ struct TrialJob
   std::string configuration;
 };
 
-/// A job from one line of JSON. Keys: `job`, `domain`, `trials` (`seed`, `truths`) are required;
-/// `goal`, `method`, `bindings`, `models`, `world_models`, `components_per_whole`,
-/// `default_probability`, `precision`, `max_backups`, `bias`, `flat_planning`, `flat_precision`,
-/// `flat_backups`, `max_hl_actions`, `max_ll_actions`, `threshold` have the defaults of the
-/// executive. Solvers get no time limit: what a trial does is a function of the job alone.
+/// A job from one line of JSON. Keys: `job`, `domain`, `trials` (`seed`; `truths` and `initially`
+/// where they are wanted) are required; `goal`, `method`, `bindings`, `models`, `world_models`,
+/// `components_per_whole`, `default_probability`, `precision`, `max_backups`, `bias`,
+/// `flat_planning`, `flat_precision`, `flat_backups`, `max_hl_actions`, `max_ll_actions`,
+/// `threshold` have the defaults of the executive. Solvers get no time limit: what a trial does is
+/// a function of the job alone.
 ///
 /// @throws InvalidArgument  no JSON, or an unknown, missing or wrong key; the message names it
 [[nodiscard]] TrialJob readTrialJob(const std::string& line);
+
+/// What the robot is told at the start of a trial: the scenario's records, those of fluents that
+/// `initially` is about replaced.
+/// @throws InvalidArgument  a literal does not fit the description, or says what is not so
+[[nodiscard]] std::vector<reasoner::Record> initialRecords(
+    std::vector<reasoner::Record> of_scenario, const Trial& trial,
+    const reasoner::Description& description);
 
 /// What a trial came to, with the ids of the policies that it used, in their order.
 [[nodiscard]] nlohmann::json rowOf(const TrialJob& job, const Trial& trial,

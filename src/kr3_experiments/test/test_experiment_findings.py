@@ -214,6 +214,17 @@ def test_targets_obey_as_often_as_they_should_and_the_rest_is_spread() -> None:
     assert {TargetRule(rooms=3).room(seed) for seed in range(100)} == {"r1", "r2", "r3"}
 
 
+def test_the_robot_starts_anywhere_whatever_is_drawn_for_its_target() -> None:
+    fixed = TargetRule(rooms=4, usual="r2", share=0.8)
+    drawn = TargetRule(rooms=4, usual="r2", share=0.8, start="loc(rob1)")
+    trials = [drawn.trial(seed) for seed in range(4000)]
+    for room in ("r1", "r2", "r3", "r4"):
+        share = [trial["initially"] for trial in trials].count([f"loc(rob1) = {room}"]) / 4000
+        assert share == pytest.approx(0.25, abs=0.03)
+    assert [trial["truths"] for trial in trials] == [fixed.truths(seed) for seed in range(4000)]
+    assert fixed.trial(7) == {"seed": 7, "truths": fixed.truths(7)}
+
+
 def test_a_report_has_its_figures_and_tables(tmp_path: Path) -> None:
     found = Accuracy().findings(accuracy_rows(flat_succeeds=True), QUICK)
     lines = ["# T", *table_text(Table("N", ["a", "b"], [["1", "2"]]))]

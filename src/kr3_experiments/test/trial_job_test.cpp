@@ -42,6 +42,33 @@ TEST(TrialJob, SaysEverythingThatARowDependsOn)
   EXPECT_THAT(job.trials[0].truths, ElementsAre("f = 1"));
 }
 
+TEST(TrialJob, WhatTheRobotIsToldReplacesTheScenario)
+{
+  using kr3::reasoner::Record;
+  using kr3::reasoner::RecordKind;
+  const auto description = kr3::reasoner::parseDescription(
+      "sorts\n  place = {kitchen, office}.\n  thing = {cup, pen}.\n"
+      "fluents\n  inertial loc(thing) : place.  inertial lit(place).\n",
+      "places.kr3");
+  const std::vector<Record> of_scenario{{RecordKind::kInitially, "loc(cup) = kitchen"},
+                                        {RecordKind::kInitially, "loc(pen) = kitchen"},
+                                        {RecordKind::kInitially, "lit(kitchen)"},
+                                        {RecordKind::kObserved, "lit(kitchen)"}};
+  const auto told = [&](std::vector<std::string> initially) {
+    std::vector<std::string> texts;
+    const kr3::experiments::Trial trial{1, {}, std::move(initially)};
+    for (const auto& record : kr3::experiments::initialRecords(of_scenario, trial, description))
+      texts.push_back(toString(record));
+    return texts;
+  };
+  EXPECT_THAT(told({"loc(pen) = office", "-lit(kitchen)"}),
+              ElementsAre("init(loc(cup) = kitchen, true)", "obs(lit(kitchen), true, 0)",
+                          "init(loc(pen) = office, true)", "init(lit(kitchen), false)"));
+  EXPECT_EQ(told({}).size(), of_scenario.size());
+  EXPECT_THROW(told({"loc(pen) = cellar"}), kr3::InvalidArgument);
+  EXPECT_THROW(told({"loc(pen) != office"}), kr3::InvalidArgument);
+}
+
 TEST(TrialJob, RefusesNumbersThatNoSolverEndsWith)
 {
   const auto problem = [](const std::string& entry) {

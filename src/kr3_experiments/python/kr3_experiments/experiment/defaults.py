@@ -35,10 +35,10 @@ class Defaults:
     title = "What defaults save"
     claim = "Defaults cut the number of actions (H2)."
     protocol = (
-        f"Four cells a room. An object is where its first default says with probability q, else in any other room, all"
-        f" alike; three defaults in a chain. Floors of several sizes at q = {_HEADLINE:g}, and several q at"
-        f" {_SHARE_ROOMS} rooms. PA* has the same description without its defaults. The same worlds for both. A policy"
-        f" has {_BACKUPS} backups at most."
+        "Four cells a room. An object is where its first default says with probability q, else in any other room, all"
+        " alike; three defaults in a chain. The robot starts in any room, all alike. Floors of several sizes at"
+        f" q = {_HEADLINE:g}, and several q at {_SHARE_ROOMS} rooms. PA* has the same description without its defaults."
+        f" The same worlds for both. A policy has {_BACKUPS} backups at most."
     )
     labels: Mapping[str, Callable[[str], Any]] = {"method": str, "rooms": int, "share": float}
 
@@ -149,7 +149,7 @@ def _points(options: Options, settings: Sequence[Tuple[int, float]]) -> List[Poi
         Point(
             label={"method": method, "rooms": rooms, "share": share},
             floor=Floor(rooms=rooms),
-            target=TargetRule(rooms=rooms, usual=_USUAL, share=share),
+            target=TargetRule(rooms=rooms, usual=_USUAL, share=share, start="loc(rob1)"),
             job={
                 "method": method,
                 "max_hl_actions": 40 + 4 * rooms,

@@ -257,7 +257,7 @@ def _act_once(folder: Path, setting: _Setting) -> Dict[str, Any]:
     """CPU seconds of a mission that ends after its first action; no steps where no model of this size is built."""
     configuration = _mission(folder, setting)
     point = configuration.point
-    trial = {"seed": 1, "truths": point.target.truths(1)}
+    trial = point.target.trial(1)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     worker = TrialWorker(trials_program())
     try:

@@ -64,6 +64,9 @@ class TargetRule:
     share: float = 0.0
     fluent: str = "loc(b1)"
     prefix: str = "r"
+    start: str = (
+        ""  # the fluent of the room where the robot starts, any as likely; none: the scenario says
+    )
 
     def room(self, seed: int) -> str:
         """Name of the room in the trial with this seed."""
@@ -78,6 +81,20 @@ class TargetRule:
     def truths(self, seed: int) -> List[str]:
         """Literals that are true in the world of this trial."""
         return [f"{self.fluent} = {self.room(seed)}"]
+
+    def initially(self, seed: int) -> List[str]:
+        """Literals that the robot knows at the start of this trial besides those of the scenario, or in their place."""
+        if not self.start:
+            return []
+        room = 1 + int(random.Random(f"start {seed}").random() * self.rooms)
+        return [f"{self.start} = {self.prefix}{room}"]
+
+    def trial(self, seed: int) -> Dict[str, Any]:
+        """As kr3_trials takes it."""
+        trial: Dict[str, Any] = {"seed": seed, "truths": self.truths(seed)}
+        if self.start:
+            trial["initially"] = self.initially(seed)
+        return trial
 
 
 @dataclass(frozen=True)
@@ -113,7 +130,8 @@ class Configuration:
         content = {
             "files": dict(self.files),
             "job": dict(self.point.job),
-            "target": [rule.rooms, rule.usual, rule.share, rule.fluent, rule.prefix],
+            "target": [rule.rooms, rule.usual, rule.share, rule.fluent, rule.prefix]
+            + ([rule.start] if rule.start else []),
         }
         text = json.dumps(content, sort_keys=True)
         self.digest = hashlib.sha256(text.encode()).hexdigest()[:12]

@@ -28,7 +28,7 @@ class Chunk:
     def trials(self) -> List[Dict[str, Any]]:
         """As kr3_trials takes them."""
         rule = self.configuration.point.target
-        return [{"seed": seed, "truths": rule.truths(seed)} for seed in self.seeds]
+        return [rule.trial(seed) for seed in self.seeds]
 
 
 class Executor(Protocol):
@@ -70,7 +70,7 @@ def rows_of(chunk: Chunk, replies: Sequence[Reply], head: str) -> List[Row]:
             config=chunk.configuration.digest,
             commit=head,
             seed=reply["seed"],
-            truth="; ".join(rule.truths(reply["seed"])),
+            truth="; ".join(rule.truths(reply["seed"]) + rule.initially(reply["seed"])),
             declared=reply["declared"],
             goal_true=reply["goal_true"],
             hl_actions=reply["hl_actions"],

@@ -2,7 +2,7 @@
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Sequence
+from typing import Dict, List, Sequence
 
 from kr3_experiments.experiment.defaults import Defaults
 from kr3_experiments.experiment.definition import Options
@@ -42,9 +42,7 @@ def measure(program: str, sizes: Sequence[int], trials: int) -> List[Throughput]
 
 def _measured(program: str, configuration: Configuration) -> Throughput:
     point = configuration.point
-    trials: List[Dict[str, Any]] = [
-        {"seed": seed, "truths": point.target.truths(seed)} for seed in point.all_seeds()
-    ]
+    trials = [point.target.trial(seed) for seed in point.all_seeds()]
     worker = TrialWorker(program)
     try:
         replies = worker.run(configuration.digest, configuration.files, point.job, trials)
