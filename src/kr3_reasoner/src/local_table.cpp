@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
+#include <map>
 #include <unordered_set>
 #include <utility>
 
+#include "canonical_program.hpp"
 #include "solver.hpp"
 
 namespace kr3::reasoner
@@ -19,7 +22,35 @@ void put(std::string& text, std::int64_t number)
   text += ' ';
 }
 
-/// Finds the rows of a program, the cheapest first.
+/// The cheapest assumptions that were seen with the same values: retractions count first.
+struct Cheapest
+{
+  std::pair<int, int> price = {std::numeric_limits<int>::max(), 0};
+  std::vector<std::vector<std::size_t>> explanations = {};
+
+  void consider(std::vector<std::size_t> assumed,
+                const std::vector<LocalProgram::Assumption>& assumptions)
+  {
+    std::pair<int, int> paid{0, 0};
+    for (const std::size_t index : assumed)
+    {
+      const LocalProgram::Assumption& assumption = assumptions[index];
+      (assumption.is_retraction ? paid.first : paid.second) += assumption.price;
+    }
+    if (paid > price)
+    {
+      return;
+    }
+    if (paid < price)
+    {
+      explanations.clear();
+    }
+    price = paid;
+    explanations.push_back(std::move(assumed));
+  }
+};
+
+/// Finds the rows of a program.
 class Tabulation
 {
 public:
@@ -39,7 +70,14 @@ public:
 
   LocalTable run()
   {
-    program_.assumptions.empty() ? findRows() : findPricedRows();
+    if (program_.assumptions.empty())
+    {
+      findRows();
+    }
+    else if (!findPricedRowsAtOnce())
+    {
+      findPricedRows();
+    }
     return std::move(table_);
   }
 
@@ -92,12 +130,9 @@ private:
       paid[assumption.is_retraction ? 1 : 0].emplace_back(here(assumption.literal),
                                                           assumption.price);
     }
-    if (program_.assumptions.empty())
+    for (const auto& values : program_.fluents)
     {
-      for (const auto& values : program_.fluents)
-      {
-        std::for_each(values.begin(), values.end(), project);
-      }
+      std::for_each(values.begin(), values.end(), project);
     }
     const std::vector<Clingo::atom_t> atoms(projected.begin(), projected.end());
     backend.project({atoms.data(), atoms.size()});
@@ -159,7 +194,35 @@ private:
       }
       return table_.complete;
     });
-    sort();
+    table_.sort();
+  }
+
+  /// Looks at all combinations of values and assumptions, when they are few: one search is cheaper
+  /// than one for each row.
+  /// @return false: there are too many, and nothing was found out
+  bool findPricedRowsAtOnce()
+  {
+    constexpr std::size_t kMost = 512;
+    solver_.configure("solve.opt_mode", "ignore");
+    solver_.configure("solve.models", std::to_string(kMost + 1));
+    std::map<std::vector<std::size_t>, Cheapest> found;
+    std::size_t seen = 0;
+    solver_.solve([&](const Clingo::Model& model) {
+      found[valuesIn(model)].consider(assumedIn(model), program_.assumptions);
+      return ++seen <= kMost;
+    });
+    if (seen > kMost || found.size() > limits_.max_combinations)
+    {
+      return false;
+    }
+    for (auto& [values, cheapest] : found)
+    {
+      auto& explanations = cheapest.explanations;
+      std::sort(explanations.begin(), explanations.end());
+      explanations.resize(std::min(explanations.size(), limits_.max_explanations));
+      table_.rows.push_back({values, std::move(explanations)});
+    }
+    return true;
   }
 
   void findPricedRows()
@@ -191,7 +254,7 @@ private:
       RuleSink sink(solver_.control());
       sink.constraint(literals);
     }
-    sort();
+    table_.sort();
   }
 
   [[nodiscard]] std::vector<std::vector<std::size_t>> explanations(
@@ -211,13 +274,6 @@ private:
         row);
     std::sort(found.begin(), found.end());
     return found;
-  }
-
-  void sort()
-  {
-    std::sort(
-        table_.rows.begin(), table_.rows.end(),
-        [](const LocalTable::Row& a, const LocalTable::Row& b) { return a.values < b.values; });
   }
 
   const LocalProgram& program_;
@@ -265,18 +321,27 @@ std::string LocalProgram::key() const
   return text;
 }
 
-const LocalTable& LocalTables::of(const LocalProgram& program, const SearchLimit& limit)
+void LocalTable::sort()
+{
+  std::sort(rows.begin(), rows.end(),
+            [](const Row& a, const Row& b) { return a.values < b.values; });
+}
+
+LocalTable LocalTables::of(const LocalProgram& program, const SearchLimit& limit)
 {
   constexpr std::size_t kMaxKnown = 5000;
   if (known_.size() > kMaxKnown)
   {
     known_.clear();
   }
-  const std::string key = program.key();
-  const auto known = known_.find(key);
-  return known != known_.end()
-             ? known->second
-             : known_.emplace(key, Tabulation(program, limits_, limit).run()).first->second;
+  const CanonicalProgram canonical(program);
+  const std::string key = canonical.program().key();
+  auto known = known_.find(key);
+  if (known == known_.end())
+  {
+    known = known_.emplace(key, Tabulation(canonical.program(), limits_, limit).run()).first;
+  }
+  return canonical.original(known->second);
 }
 
 }  // namespace kr3::reasoner

@@ -50,6 +50,8 @@ struct LocalTable
   };
   std::vector<Row> rows;  ///< none: the program is inconsistent
   bool complete = true;   ///< false: there are more combinations than was allowed
+
+  void sort();  ///< the rows by their values
 };
 
 /// How much of what may have come about is kept.
@@ -59,14 +61,15 @@ struct TableLimits
   std::size_t max_explanations = 16;    ///< equally good ones of a combination; more are dropped
 };
 
-/// Makes tables, each program's once.
+/// Makes tables, once for all programs that are equal but for names and order. A program's table is
+/// the same whichever came first.
 class LocalTables
 {
 public:
   explicit LocalTables(const TableLimits& limits) : limits_(limits) {}
 
   /// @throws Cancelled, DeadlineExceeded  the limit was reached
-  [[nodiscard]] const LocalTable& of(const LocalProgram& program, const SearchLimit& limit);
+  [[nodiscard]] LocalTable of(const LocalProgram& program, const SearchLimit& limit);
 
 private:
   TableLimits limits_;

@@ -74,7 +74,7 @@ public:
       {
         break;
       }
-      const LocalTable& table = tables.of(part.program, limit_);
+      const LocalTable table = tables.of(part.program, limit_);
       if (!table.complete)
       {
         too_large.emplace_back();
