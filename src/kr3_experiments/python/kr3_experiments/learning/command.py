@@ -1,8 +1,9 @@
 """`./kr3 learn`: the training phase. The robot acts and looks, the simulator or a person says what was true, and the
 counts become the domain's models file."""
 import argparse
+import multiprocessing
 from pathlib import Path
-from typing import Optional
+from typing import Callable, Optional
 
 from kr3_experiments.bringup import (
     LOCKSTEP_FACTOR,
@@ -15,7 +16,7 @@ from kr3_experiments.bringup import (
     stack_variables,
     start_followers,
 )
-from kr3_experiments.domain import find_folder, load_domain, repository_root
+from kr3_experiments.domain import Domain, find_folder, load_domain, repository_root
 from kr3_experiments.errors import Kr3Error
 from kr3_experiments.experiment.sweep import commit
 from kr3_experiments.learning.counts import AttemptLog, count, joined, read_attempts
@@ -30,6 +31,7 @@ from kr3_experiments.terminal import Terminal
 _WANTED = 200
 _WANTED_QUICK = 15
 _LEARNED = "models_learned.yaml"  # in the folder of what it was learned from
+_ATTEMPTS_A_WORLD = 40  # about as many as there are before most things in it were handled
 _NOT_NEEDED = ("executive_node", "reasoner_node", "policy_node")
 
 
@@ -163,56 +165,123 @@ def _in_abstract_world(
 
 
 def _drive(args: argparse.Namespace, lesson: Lesson, wanted: int, terminal: Terminal) -> int:
-    from kr3_experiments.learning.robot import Distances, Robot
-
     domain = load_domain(args.domain, repository_root())
     domain.require_map()
     domain.require_model()
-    truth = lesson.truth()
+    lesson.truth()  # where it is wrong, it is said now
     run_dir = new_run_dir("learn") if args.run_dir is None else existing_run_dir(args.run_dir)
-    log = AttemptLog(run_dir / "attempts.jsonl", {"domain": args.domain, "seed": args.seed})
+    log = _log_of(args, run_dir)
     terminal.heading(
         f"KR3 learn: domain {args.domain}, seed {args.seed}, {wanted} trials of each kind"
     )
     if log.attempts:
         terminal.detail(f"{len(log.attempts)} attempts are there already")
-    lockstep = args.real_time_factor is None
-    world = World(
-        domain, args.seed, domain.target.at, LOCKSTEP_FACTOR if lockstep else args.real_time_factor
-    )
-    # A run that goes on meets another world: the same one would repeat the same chances.
-    variables = {
-        **stack_variables(world, run_dir),
-        "seed": (args.seed + 1000003 * len(log.attempts)) % 2**31,
-    }
-    specs = load_stack(package_config("stack.yaml"), variables, lockstep, _NOT_NEEDED)
+    log.close()
     interrupted: Optional[BaseException] = None
-    with Stack(run_dir, terminal.detail) as stack:
-        stack.start_master(choose_port(args.port))
-        start_followers(stack, specs)
-        stack.start_nodes(specs)
-        robot = Robot(stack, truth, lesson.bindings, Distances(lesson.entries, lesson.keys))
-        laws = lesson.laws(components(robot.cells))
-        curriculum = Curriculum(
-            laws, lesson.bindings, lesson.entries, wanted, args.seed + len(log.attempts)
-        )
-        try:
-            train(robot, curriculum, laws, lesson.entries, lesson.bindings, log, terminal.line)
-        except (KeyboardInterrupt, Kr3Error) as error:
-            interrupted = error
-        finally:
-            log.close()
+    try:
+        while _in_process(lambda: _in_one_world(args, domain, lesson, wanted, run_dir)) > 0:
+            pass
+    except (KeyboardInterrupt, Kr3Error) as error:
+        interrupted = error
+    log = _log_of(args, run_dir)
+    log.close()
     if log.attempts:
         how = [
             f"{len(log.attempts)} trials in the simulator, domain {args.domain}, seed {args.seed}."
         ]
         output = args.output or run_dir / _LEARNED
-        lines = conclude(lesson, laws, log.attempts, output, how, args.classes)
+        lines = conclude(lesson, lesson.laws({}), log.attempts, output, how, args.classes)
         _show(lines, output, terminal)
     if interrupted is not None:
         terminal.verdict(False, f"not finished; go on with --run-dir {run_dir} --seed {args.seed}")
         raise interrupted
     return 0
+
+
+def _in_process(work: Callable[[], int]) -> int:
+    """What `work` returns, done in a process of its own, since a process joins one ROS master in its life.
+
+    @throws Kr3Error  what it throws, or it ended without a word
+    """
+    context = multiprocessing.get_context("fork")
+    receiver, sender = context.Pipe(duplex=False)
+
+    def run() -> None:
+        try:
+            sender.send(work())
+        except Kr3Error as error:
+            sender.send(str(error))
+        except KeyboardInterrupt:
+            pass
+
+    process = context.Process(target=run)
+    process.start()
+    sender.close()
+    try:
+        process.join()
+    except BaseException:
+        process.terminate()
+        process.join()
+        raise
+    if not receiver.poll():
+        raise Kr3Error("the training phase was ended")
+    answer = receiver.recv()
+    if isinstance(answer, str):
+        raise Kr3Error(answer)
+    return int(answer)
+
+
+def _in_one_world(
+    args: argparse.Namespace, domain: Domain, lesson: Lesson, wanted: int, run_dir: Path
+) -> int:
+    """Trials in a world that depends on how many there are already. @return those that are left for others"""
+    from kr3_experiments.learning.robot import Distances, Robot
+
+    terminal = Terminal()
+    log = _log_of(args, run_dir)
+    before = len(log.attempts)
+    lockstep = args.real_time_factor is None
+    world = World(
+        domain, args.seed, domain.target.at, LOCKSTEP_FACTOR if lockstep else args.real_time_factor
+    )
+    # The same world again would repeat the same chances.
+    logs = run_dir / f"from_{before}"
+    variables = {
+        **stack_variables(world, logs),
+        "seed": (args.seed + 1000003 * before) % 2**31,
+    }
+    specs = load_stack(package_config("stack.yaml"), variables, lockstep, _NOT_NEEDED)
+    with Stack(logs, terminal.detail) as stack:
+        stack.start_master(choose_port(args.port))
+        start_followers(stack, specs)
+        stack.start_nodes(specs)
+        robot = Robot(
+            stack, lesson.truth(), lesson.bindings, Distances(lesson.entries, lesson.keys)
+        )
+        laws = lesson.laws(components(robot.cells))
+        curriculum = Curriculum(laws, lesson.bindings, lesson.entries, wanted, args.seed + before)
+        try:
+            train(
+                robot,
+                curriculum,
+                laws,
+                lesson.entries,
+                lesson.bindings,
+                log,
+                terminal.line,
+                _ATTEMPTS_A_WORLD,
+            )
+        except Kr3Error as error:
+            if len(log.attempts) == before:
+                raise
+            terminal.detail(f"{error}; the training goes on in another world")
+        finally:
+            log.close()
+        return curriculum.left()
+
+
+def _log_of(args: argparse.Namespace, run_dir: Path) -> AttemptLog:
+    return AttemptLog(run_dir / "attempts.jsonl", {"domain": args.domain, "seed": args.seed})
 
 
 def _from_attempts(args: argparse.Namespace, lesson: Lesson, terminal: Terminal) -> int:

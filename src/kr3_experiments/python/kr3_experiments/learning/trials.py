@@ -93,9 +93,9 @@ class Curriculum:
         """The possible action that is wanted most; else one after which such an action is possible; else any.
 
         @param avoid    could not be tried just now: others go before them
-        @param handled  arguments of the fluents that the robot itself changed in this visit: what it put down lies at
-                        its feet, out of its camera's sight, as nothing does that it looks for in a mission. Actions
-                        that ask about that, or need it known, are not for this visit
+        @param handled  arguments of the fluents that the robot itself changed in this world: what it put down lies
+                        on the floor, fallen over, as nothing does that it looks for in a mission. Actions that ask
+                        about that, or need it known, are for another world
         @throws Kr3Error  nothing is possible
         """
         possible = [action for action in self._actions if self._laws.possible(action, state)]
@@ -264,9 +264,11 @@ def train(
     bindings: Mapping[str, Binding],
     log: AttemptLog,
     report: Callable[[str], None],
+    most: int,
 ) -> None:
-    """Trials until the curriculum is through, each kept in the log. Those already there count.
+    """Trials in one world until the curriculum is through, each kept in the log. Those already there count.
 
+    @param most  trials in this world: later ones need another, in which nothing was handled yet
     @throws Kr3Error  five trials in a row could not be made
     """
     for attempt in log.attempts:
@@ -275,9 +277,10 @@ def train(
     failed: List[GroundAction] = []
     idle: List[GroundAction] = []  # since the state last changed
     known: Set[str] = set()  # said to be so since then
-    handled: List[Set[str]] = []  # arguments of what the robot changed in this visit
+    handled: List[Set[str]] = []  # arguments of what the robot changed in this world
     in_vain: List[GroundAction] = []  # asked about since then, and said not to be so
-    while curriculum.left() > 0:
+    enough = len(log.attempts) + most
+    while curriculum.left() > 0 and len(log.attempts) < enough:
         before = trainee.truth()
         wanted = curriculum.next(before, [*failed, *in_vain, *_repeated(idle)], handled)
         enquiry = curriculum.enquiry(wanted, before, known)
@@ -299,9 +302,7 @@ def train(
                 ) from error
             continue
         failed = []
-        if moved(before, after):
-            handled = []
-        else:
+        if not moved(before, after):
             handled += [arguments_of(f) for f, value in after.items() if before.get(f) != value]
         if before != after:
             idle, known, in_vain = [], set(), []
