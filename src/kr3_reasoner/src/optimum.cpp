@@ -37,6 +37,7 @@ std::optional<SettledAssumptions> suspects(const HistoryProgram& program, const 
   RuleSink joined(&components);
   const UnrolledHistory full(program, records, current_step, UnrolledHistory::Mode{assumable},
                              joined);
+  full.useAssumptions(components);
   std::unordered_set<AtomComponents::Atom> suspected;
   const auto suspect = [&](SolverLiteral literal) {
     if (!isConstant(literal))
@@ -106,6 +107,7 @@ std::optional<SettledAssumptions> candidates(const HistoryProgram& program, cons
   SolvedHistory solved(program, records, current_step,
                        UnrolledHistory::Mode{assumable, wanted ? &*wanted : nullptr, false},
                        {"1", "--warn=none"}, &components);
+  solved.history->useAssumptions(components);
   std::unordered_map<AtomComponents::Atom, std::vector<SolverLiteral>> denials;
   for (const AssumedLiteral& assumption : solved.history->assumptions())
   {
@@ -192,6 +194,7 @@ std::optional<Optimum> minimalPrice(const HistoryProgram& program, const Records
     RuleSink sink(solved.solver.control());
     solved.history->minimize(sink);
   }
+  solved.history->useAssumptions(components);
   Optimum optimum{assumable, partsOf(solved.history->assumptions(), components), 0,
                   SettledAssumptions{}};
   const bool consistent = solved.solver.solve([&](const Clingo::Model& model) {

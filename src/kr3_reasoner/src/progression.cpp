@@ -185,6 +185,7 @@ private:
       part->component.fluents.push_back({atomOf(fluent), fluent.values});
       part->program.fluents.push_back(std::move(literals));
     }
+    history_->useAssumptions(components_);
     addAssumptions();
     addRules();
   }
@@ -230,6 +231,10 @@ private:
     {
       const auto heads = ground_.heads(rule);
       const auto body = ground_.body(rule);
+      if (!rule.choice && heads.size() == 1 && !components_.isUsed(*heads.begin()))
+      {
+        continue;  // nothing at the new first step depends on it
+      }
       if (heads.size() == 0 && body.size() == 0)
       {
         consistent_ = false;

@@ -60,8 +60,16 @@ void RuleSink::rule(bool choice, SolverLiteral head, Body body)
     {
       to->rule(choice, {&atom, 1}, span(body));
     }
-    body.push_back(head);
-    note(body);
+    if (choice || components_ == nullptr)
+    {
+      body.push_back(head);
+      note(body);
+    }
+    else
+    {
+      ++num_rules_;
+      components_->define(atom, std::move(body));
+    }
   }
 }
 

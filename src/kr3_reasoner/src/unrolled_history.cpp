@@ -198,6 +198,17 @@ void UnrolledHistory::bound(const PriceByPart& price, RuleSink& sink) const
   }
 }
 
+void UnrolledHistory::useAssumptions(AtomComponents& components) const
+{
+  for (const AssumedLiteral& assumption : assumptions_)
+  {
+    if (!isConstant(assumption.literal))
+    {
+      components.use(static_cast<AtomComponents::Atom>(std::abs(assumption.literal)));
+    }
+  }
+}
+
 bool UnrolledHistory::minimize(RuleSink& sink) const
 {
   bool any = false;

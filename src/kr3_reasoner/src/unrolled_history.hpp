@@ -80,6 +80,8 @@ public:
   [[nodiscard]] SolverLiteral literalIn(const Literal& literal, const StateLiterals& state) const;
 
   [[nodiscard]] const std::vector<AssumedLiteral>& assumptions() const { return assumptions_; }
+  /// Assumptions have prices, so that it matters what they depend on.
+  void useAssumptions(AtomComponents& components) const;
 
   /// By record: the literal of its being there and right.
   [[nodiscard]] const std::vector<SolverLiteral>& recorded() const { return holds_; }

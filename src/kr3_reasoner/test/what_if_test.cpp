@@ -89,15 +89,44 @@ TEST(Diagnosis, GivesEachAlternativeItsPriceAndDefaults)
 }
 
 /// Things on twelve shelves that somebody moves; questions end after a minute.
-Reasoner shelves(const std::string& things)
+/// @param definition  of the fluent `together`; none: there is no such fluent
+Reasoner shelves(const std::string& things, const std::string& definition = "")
 {
   Reasoner reasoner(parseDescription(
       "sorts\n thing = " + things + ".\n shelf = 1..12.\nfluents\n inertial on(thing) : shelf.\n" +
+          (definition.empty() ? "" : " defined together.\n") +
           "actions\n exogenous slip(thing, shelf).\n" +
-          "axioms\n slip(T, S) causes on(T) = S.\n impossible slip(T, S) if on(T) = S.\n",
+          "axioms\n slip(T, S) causes on(T) = S.\n impossible slip(T, S) if on(T) = S.\n" +
+          definition,
       "f"));
   reasoner.setLimits({std::chrono::seconds(60), nullptr});
   return reasoner;
+}
+
+constexpr int kSteps = 8;
+
+/// Each thing is on the first shelf, halfway on the second, and in the end on the third.
+std::string movedTwice(int num_things)
+{
+  std::string history;
+  for (int thing = 1; thing <= num_things; ++thing)
+  {
+    const std::string on = "obs(on(" + std::to_string(thing) + ") = ";
+    history += on + "1, true, 0). " + on + "2, true, " + std::to_string(kSteps / 2) + "). " + on +
+               "3, true, " + std::to_string(kSteps) + "). ";
+  }
+  return history;
+}
+
+/// All of them are on one shelf.
+std::string definitionOfTogether(int num_things)
+{
+  std::string body;
+  for (int thing = 1; thing <= num_things; ++thing)
+  {
+    body += (thing == 1 ? "on(" : ", on(") + std::to_string(thing) + ") = S";
+  }
+  return " together if " + body + ".\n";
 }
 
 // Explanations of things that do not hang together are put together from those of each thing; a
@@ -105,16 +134,8 @@ Reasoner shelves(const std::string& things)
 TEST(Diagnosis, ExplainsThingsThatDoNotHangTogetherEachForItself)
 {
   constexpr int kThings = 10;
-  constexpr int kSteps = 8;
   Reasoner reasoner = shelves("1..10");
-  std::string history;
-  for (int thing = 1; thing <= kThings; ++thing)
-  {
-    const std::string on = "obs(on(" + std::to_string(thing) + ") = ";
-    history += on + "1, true, 0). " + on + "2, true, " + std::to_string(kSteps / 2) + "). " + on +
-               "3, true, " + std::to_string(kSteps) + "). ";
-  }
-  reasoner.setHistory(parseHistory(history, "h", reasoner.description()));
+  reasoner.setHistory(parseHistory(movedTwice(kThings), "h", reasoner.description()));
   const Diagnosis diagnosis = reasoner.diagnose();
   EXPECT_EQ(diagnosis.cost, 2 * kThings);
   ASSERT_EQ(diagnosis.parts.size(), static_cast<std::size_t>(kThings));
@@ -131,6 +152,28 @@ TEST(Diagnosis, ExplainsThingsThatDoNotHangTogetherEachForItself)
   EXPECT_EQ(reasoner.possibleValues("on(10)", kSteps - 1), (Values{"2", "3"}));
   EXPECT_EQ(reasoner.entails("on(5) != 12", 1), Answer::kTrue);
   EXPECT_TRUE(reasoner.plan("on(1) = 3").goal_entailed);
+}
+
+// What is defined over things makes them hang together once something depends on it.
+TEST(Diagnosis, ADefinitionOfWhichNothingIsKnownLeavesThingsApart)
+{
+  constexpr int kThings = 10;
+  Reasoner reasoner = shelves("1..10", definitionOfTogether(kThings));
+  reasoner.setHistory(parseHistory(movedTwice(kThings), "h", reasoner.description()));
+  const Diagnosis diagnosis = reasoner.diagnose();
+  EXPECT_EQ(diagnosis.cost, 2 * kThings);
+  EXPECT_EQ(diagnosis.parts.size(), static_cast<std::size_t>(kThings));
+  EXPECT_EQ(reasoner.entails("together", kSteps), Answer::kTrue);
+  EXPECT_EQ(reasoner.entails("together", 1), Answer::kUnknown);
+
+  Reasoner few = shelves("1..3", definitionOfTogether(3));
+  const std::string seen = movedTwice(3) + "obs(together, false, 2). obs(together, false, 3).";
+  few.setHistory(parseHistory(seen, "h", few.description()));
+  const Diagnosis joint = few.diagnose();
+  EXPECT_EQ(joint.cost, 2 * 3);
+  EXPECT_EQ(joint.parts.size(), 1U);
+  EXPECT_EQ(few.entails("together", 3), Answer::kFalse);
+  EXPECT_EQ(few.entails("together", 1), Answer::kUnknown);
 }
 
 // Whatever is dearer than a thing that is moved ten times has to be ruled out; that nothing else is
