@@ -9,47 +9,38 @@ from typing import Any, Callable, ClassVar, Iterable, Optional, Union
 
 class Error(RuntimeError):
     """Base of everything that KR3's cores throw. `code` says what a caller can act on."""
-
     code: ClassVar[str]
 
 class InvalidArgument(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class NotFound(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class FailedPrecondition(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class Unavailable(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class ResourceExhausted(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class DeadlineExceeded(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class Cancelled(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class InternalError(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class Belief:
@@ -57,7 +48,6 @@ class Belief:
     numpy.asarray(belief) reads it in place; where a function takes a Belief it takes an
     array too.
     """
-
     def __init__(self, probabilities: Union[Belief, numpy.typing.ArrayLike]) -> None:
         """Shape [num_states]; sums to 1 within 1e-6 and is normalised. Raises InvalidArgument."""
     @property
@@ -68,7 +58,6 @@ class Belief:
 
 class BeliefUpdate:
     """What a belief becomes, and how likely that was."""
-
     @property
     def posterior(self) -> Belief:
         """the new belief"""
@@ -80,7 +69,6 @@ class Model:
     """A flat, sparse POMDP: an immutable value. From ModelBuilder, modelFromArrays, a
     FactoredModel or a file.
     """
-
     def numStates(self) -> int:
         """How many states."""
     def numActions(self) -> int:
@@ -120,7 +108,8 @@ class Model:
         nothing.
         """
     def initialOutcomes(self) -> list[tuple[float, Belief]]:
-        """The beliefs that the robot may have before its first action, with their probabilities."""
+        """The beliefs that the robot may have before its first action, with their probabilities.
+        """
     def transitionArray(self) -> numpy.typing.NDArray[numpy.float64]:
         """T(s' | s, a), shape [num_actions, num_states, num_states]. Raises ResourceExhausted
         above 2^27 entries.
@@ -129,15 +118,11 @@ class Model:
         """O(o | a, s'), shape [num_actions, num_states, num_observations]. Raises
         ResourceExhausted above 2^27 entries.
         """
-    def transitionEntries(
-        self,
-    ) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]]:
+    def transitionEntries(self) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]]:
         """What is not 0 in T: indices (action, state, next state), shape [n, 3], and
         probabilities, shape [n].
         """
-    def observationEntries(
-        self,
-    ) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]]:
+    def observationEntries(self) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]]:
         """What is not 0 in O: indices (action, next state, observation), shape [n, 3], and
         probabilities, shape [n].
         """
@@ -155,53 +140,21 @@ class ModelBuilder:
     never set is 0, and the initial belief is uniform. States, actions and observations are
     indices or names; None is every.
     """
-
     def __init__(self, states: list[str], actions: list[str], observations: list[str]) -> None:
         """From names. Raises InvalidArgument: an empty list, a duplicate or empty name."""
     def setDiscount(self, discount: float) -> None:
         """In (0, 1]."""
     def setInitialBelief(self, probabilities: Union[Belief, numpy.typing.ArrayLike]) -> None:
         """Shape [num_states]; build() checks it."""
-    def setTransition(
-        self,
-        action: Optional[Union[int, str]],
-        state: Optional[Union[int, str]],
-        next_state: Optional[Union[int, str]],
-        probability: float,
-    ) -> None:
+    def setTransition(self, action: Optional[Union[int, str]], state: Optional[Union[int, str]], next_state: Optional[Union[int, str]], probability: float) -> None:
         """T(next_state | state, action) = probability. Raises InvalidArgument, NotFound."""
-    def addTransition(
-        self,
-        action: Optional[Union[int, str]],
-        state: Optional[Union[int, str]],
-        next_state: Optional[Union[int, str]],
-        probability: float,
-    ) -> None:
+    def addTransition(self, action: Optional[Union[int, str]], state: Optional[Union[int, str]], next_state: Optional[Union[int, str]], probability: float) -> None:
         """Adds to T(next_state | state, action)."""
-    def setObservation(
-        self,
-        action: Optional[Union[int, str]],
-        next_state: Optional[Union[int, str]],
-        observation: Optional[Union[int, str]],
-        probability: float,
-    ) -> None:
+    def setObservation(self, action: Optional[Union[int, str]], next_state: Optional[Union[int, str]], observation: Optional[Union[int, str]], probability: float) -> None:
         """O(observation | action, next_state) = probability. Raises InvalidArgument, NotFound."""
-    def addObservation(
-        self,
-        action: Optional[Union[int, str]],
-        next_state: Optional[Union[int, str]],
-        observation: Optional[Union[int, str]],
-        probability: float,
-    ) -> None:
+    def addObservation(self, action: Optional[Union[int, str]], next_state: Optional[Union[int, str]], observation: Optional[Union[int, str]], probability: float) -> None:
         """Adds to O(observation | action, next_state)."""
-    def setReward(
-        self,
-        action: Optional[Union[int, str]],
-        state: Optional[Union[int, str]],
-        value: float,
-        next_state: Optional[Union[int, str]] = None,
-        observation: Optional[Union[int, str]] = None,
-    ) -> None:
+    def setReward(self, action: Optional[Union[int, str]], state: Optional[Union[int, str]], value: float, next_state: Optional[Union[int, str]] = None, observation: Optional[Union[int, str]] = None) -> None:
         """R(action, state, next_state, observation) = value; the model keeps the expectation R(a,
         s).
         """
@@ -210,18 +163,7 @@ class ModelBuilder:
         the tolerance, or the entry that is no probability.
         """
 
-def modelFromArrays(
-    transitions: Any,
-    observations: Any,
-    rewards: Any,
-    *,
-    discount: float,
-    initial_belief: Optional[Union[Belief, numpy.typing.ArrayLike]] = None,
-    states: Optional[Union[int, list[str]]] = None,
-    actions: Optional[Union[int, list[str]]] = None,
-    observation_names: Optional[Union[int, list[str]]] = None,
-    sum_tolerance: float = ...,
-) -> Model:
+def modelFromArrays(transitions: Any, observations: Any, rewards: Any, *, discount: float, initial_belief: Optional[Union[Belief, numpy.typing.ArrayLike]] = None, states: Optional[Union[int, list[str]]] = None, actions: Optional[Union[int, list[str]]] = None, observation_names: Optional[Union[int, list[str]]] = None, sum_tolerance: float = ...) -> Model:
     """A model from arrays: T(s' | s, a) of shape [A, S, S], O(o | a, s') of shape [A, S, O], R
     of shape [A, S], [A, S, S] or [A, S, S, O]. Each may also be sparse: a pair of indices,
     shape [n, 3] (for R [n, 2], [n, 3] or [n, 4]), and values, shape [n]; or a dict from
@@ -243,24 +185,16 @@ def writePomdp(path: str, model: Model) -> None:
 def writePomdpx(path: str, model: Model) -> None:
     """Writes the POMDPX format, with one state variable. Raises Unavailable."""
 
-def updated(
-    model: Model,
-    belief: Union[Belief, numpy.typing.ArrayLike],
-    action: Union[int, str],
-    observation: Union[int, str],
-) -> BeliefUpdate:
+def updated(model: Model, belief: Union[Belief, numpy.typing.ArrayLike], action: Union[int, str], observation: Union[int, str]) -> BeliefUpdate:
     """The exact Bayesian update of a belief. Raises FailedPrecondition when the observation is
     impossible after the action, InvalidArgument, NotFound.
     """
 
-def observationProbabilities(
-    model: Model, belief: Union[Belief, numpy.typing.ArrayLike], action: Union[int, str]
-) -> numpy.typing.NDArray[numpy.float64]:
+def observationProbabilities(model: Model, belief: Union[Belief, numpy.typing.ArrayLike], action: Union[int, str]) -> numpy.typing.NDArray[numpy.float64]:
     """Pr(o | belief, action) for every observation, shape [num_observations]."""
 
 class Variable:
     """A variable of a factored model."""
-
     def __init__(self, name: str, values: list[str]) -> None:
         """Its values are names."""
     @property
@@ -272,7 +206,6 @@ class Variable:
 
 class StateVariable(Variable):
     """A variable of the state."""
-
     def __init__(self, name: str, values: list[str], observed: bool = False) -> None:
         """Its values are names."""
     @property
@@ -281,7 +214,6 @@ class StateVariable(Variable):
 
 class VariableRole:
     """Members:"""
-
     kPrevious: ClassVar[VariableRole]
     kAction: ClassVar[VariableRole]
     kCurrent: ClassVar[VariableRole]
@@ -295,7 +227,6 @@ class VariableRole:
 
 class VariableRef:
     """A variable in a factor."""
-
     def __init__(self, role: VariableRole, index: int) -> None:
         """The index counts among the variables of its role."""
     @property
@@ -307,10 +238,7 @@ class VariableRef:
 
 class Factor:
     """A function of some variables."""
-
-    def __init__(
-        self, parents: list[VariableRef], of: list[VariableRef], values: numpy.typing.ArrayLike
-    ) -> None:
+    def __init__(self, parents: list[VariableRef], of: list[VariableRef], values: numpy.typing.ArrayLike) -> None:
         """The probabilities of the values of `of` given those of `parents`; a reward has no `of`.
         Values: one axis for each variable, parents first, or that flattened row by row.
         """
@@ -328,14 +256,7 @@ class FactoredModel:
     """A POMDP in factors, a dynamic Bayesian network: products of the probabilities of its
     variables, sums of rewards. flattened() makes a Model of it.
     """
-
-    def __init__(
-        self,
-        state: list[StateVariable],
-        actions: list[Variable],
-        observations: list[Variable],
-        discount: float,
-    ) -> None:
+    def __init__(self, state: list[StateVariable], actions: list[Variable], observations: list[Variable], discount: float) -> None:
         """Its variables; factors are added afterwards."""
     @property
     def state(self) -> list[StateVariable]:
@@ -386,13 +307,7 @@ def loadPomdpx(path: str) -> FactoredModel:
 
 class AlphaVector:
     """The value of one conditional plan in some states, and its first action."""
-
-    def __init__(
-        self,
-        action: int,
-        values: numpy.typing.ArrayLike,
-        states: Optional[numpy.typing.ArrayLike] = None,
-    ) -> None:
+    def __init__(self, action: int, values: numpy.typing.ArrayLike, states: Optional[numpy.typing.ArrayLike] = None) -> None:
         """One value for each of `states` (ascending indices); without them, for all states."""
     @property
     def action(self) -> int:
@@ -406,7 +321,6 @@ class AlphaVector:
 
 class Choice:
     """What a policy does at a belief."""
-
     @property
     def action(self) -> int:
         """its index"""
@@ -418,7 +332,6 @@ class Policy:
     """At a belief, the action of the alpha vector that is greatest there, among those whose
     states hold all of the belief. An immutable value; pickled exactly.
     """
-
     def __init__(self, num_states: int, alpha_vectors: list[AlphaVector]) -> None:
         """From vectors, of which one at least is over all states. Raises InvalidArgument."""
     def numStates(self) -> int:
@@ -437,9 +350,7 @@ class Policy:
         """A lower bound of what the policy earns from the belief on."""
     def bestAt(self, belief: Union[Belief, numpy.typing.ArrayLike]) -> Choice:
         """Action and value at once."""
-    def bestAtEach(
-        self, beliefs: numpy.typing.ArrayLike
-    ) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]]:
+    def bestAtEach(self, beliefs: numpy.typing.ArrayLike) -> tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]]:
         """Actions and values, shape [n] each, at beliefs of shape [n, num_states]."""
     def write(self, path: str) -> None:
         """Writes a file that Policy.read reads back exactly. Raises Unavailable."""
@@ -451,16 +362,7 @@ class SolverLimits:
     """When to stop solving, whichever comes first. With counted work alone a run repeats
     exactly.
     """
-
-    def __init__(
-        self,
-        *,
-        precision: float = 0.001,
-        time_s: float = 0.0,
-        max_backups: int = 0,
-        max_memory_bytes: int = 0,
-        num_threads: int = 1,
-    ) -> None:
+    def __init__(self, *, precision: float = 0.001, time_s: float = 0.0, max_backups: int = 0, max_memory_bytes: int = 0, num_threads: int = 1) -> None:
         """See the attributes."""
     @property
     def precision(self) -> float:
@@ -490,7 +392,6 @@ class SolverLimits:
 
 class SolverProgress:
     """How far solving is."""
-
     @property
     def lower(self) -> float:
         """at the initial belief; never falls"""
@@ -512,7 +413,6 @@ class SolverProgress:
 
 class StopReason:
     """Members:"""
-
     kPrecision: ClassVar[StopReason]
     kTimeLimit: ClassVar[StopReason]
     kBackupLimit: ClassVar[StopReason]
@@ -527,7 +427,6 @@ class StopReason:
 
 class SolveResult:
     """A policy with its bounds."""
-
     @property
     def policy(self) -> Policy:
         """the best one found"""
@@ -553,12 +452,7 @@ class SolveResult:
     def memory_bytes(self) -> int:
         """held by the search at its end"""
 
-def solve(
-    model: Model,
-    limits: SolverLimits = ...,
-    keep_going: Optional[Callable[[SolverProgress], Any]] = None,
-    period_s: float = 0.05,
-) -> SolveResult:
+def solve(model: Model, limits: SolverLimits = ..., keep_going: Optional[Callable[[SolverProgress], Any]] = None, period_s: float = 0.05) -> SolveResult:
     """Solves a model from its initial belief with lower and upper bounds, anytime.
     `keep_going` is called at most every `period_s` seconds of wall time; when it returns
     False, the result is the best policy so far. Other Python threads run on meanwhile;
@@ -568,7 +462,6 @@ def solve(
 
 class Random:
     """Random numbers; one seed gives the same ones everywhere."""
-
     def __init__(self, seed: int) -> None:
         """A generator of its own."""
     def uniform(self) -> float:
@@ -576,7 +469,6 @@ class Random:
 
 class SampledStep:
     """One sampled step of the world."""
-
     @property
     def next_state(self) -> int:
         """its index"""
@@ -584,9 +476,7 @@ class SampledStep:
     def observation(self) -> int:
         """its index"""
 
-def sampleStep(
-    model: Model, state: Union[int, str], action: Union[int, str], random: Random
-) -> SampledStep:
+def sampleStep(model: Model, state: Union[int, str], action: Union[int, str], random: Random) -> SampledStep:
     """Samples the next state and the observation; the reward is in rewardArray(). Raises
     InvalidArgument, NotFound.
     """
@@ -596,15 +486,7 @@ def sampleState(belief: Union[Belief, numpy.typing.ArrayLike], random: Random) -
 
 class EvaluationLimits:
     """How much to simulate."""
-
-    def __init__(
-        self,
-        *,
-        trials: int = 1000,
-        truncation: float = 0.001,
-        max_steps: int = 10000,
-        num_threads: int = 1,
-    ) -> None:
+    def __init__(self, *, trials: int = 1000, truncation: float = 0.001, max_steps: int = 10000, num_threads: int = 1) -> None:
         """See the attributes."""
     @property
     def trials(self) -> int:
@@ -629,7 +511,6 @@ class EvaluationLimits:
 
 class Evaluation:
     """The discounted return of a policy, simulated."""
-
     @property
     def mean(self) -> float:
         """over the trials"""
@@ -649,16 +530,13 @@ class Evaluation:
     def finished(self) -> float:
         """part of the trials that came to where all is over"""
 
-def evaluate(
-    model: Model, policy: Policy, limits: EvaluationLimits = ..., seed: int = 1
-) -> Evaluation:
+def evaluate(model: Model, policy: Policy, limits: EvaluationLimits = ..., seed: int = 1) -> Evaluation:
     """Simulates a policy from the initial belief. Raises InvalidArgument: a policy that does
     not fit the model, no trials.
     """
 
 class ExactSolution:
     """The optimal value function, as the maximum of alpha vectors over all states."""
-
     @property
     def stages(self) -> list[Policy]:
         """with a horizon, element k is for k + 1 steps to go; else one for all steps"""
@@ -671,14 +549,7 @@ class ExactSolution:
     def valueAt(self, belief: Union[Belief, numpy.typing.ArrayLike]) -> float:
         """With all steps to go. Raises InvalidArgument."""
 
-def solveExactly(
-    model: Model,
-    *,
-    horizon: int = 0,
-    precision: float = ...,
-    max_vectors: int = 20000,
-    time_s: float = 0.0,
-) -> ExactSolution:
+def solveExactly(model: Model, *, horizon: int = 0, precision: float = ..., max_vectors: int = 20000, time_s: float = 0.0) -> ExactSolution:
     """Solves a small model exactly at every belief (incremental pruning): over `horizon`
     steps, with discount 1 too, or for ever (0) to within `precision`. Its work grows
     exponentially; `max_vectors` and `time_s` (wall time, 0 for none) bound it. Raises
@@ -687,17 +558,7 @@ def solveExactly(
 
 class OnlineOptions:
     """How OnlinePlanner searches."""
-
-    def __init__(
-        self,
-        *,
-        num_scenarios: int = 500,
-        max_depth: int = 90,
-        regularisation: float = 0.01,
-        target: float = 0.95,
-        time_s: float = 0.1,
-        max_expansions: int = 0,
-    ) -> None:
+    def __init__(self, *, num_scenarios: int = 500, max_depth: int = 90, regularisation: float = 0.01, target: float = 0.95, time_s: float = 0.1, max_expansions: int = 0) -> None:
         """See the attributes."""
     @property
     def num_scenarios(self) -> int:
@@ -734,7 +595,6 @@ class OnlineOptions:
 
 class OnlineDecision:
     """What to do, and how sure that is."""
-
     @property
     def action(self) -> int:
         """its index"""
@@ -753,7 +613,6 @@ class OnlineDecision:
 
 class ParticleOptions:
     """Of a belief as samples."""
-
     def __init__(self, *, num_particles: int = 1000, tries: int = 100) -> None:
         """See the attributes."""
     @property
@@ -771,20 +630,14 @@ class OnlinePlanner:
     """Plans one action at a time by sampling (DESPOT) on a Model. Without a policy its first
     lower bound is to act as if the state were known.
     """
-
-    def __init__(
-        self, model: Model, options: OnlineOptions = ..., policy: Optional[Policy] = None
-    ) -> None:
+    def __init__(self, model: Model, options: OnlineOptions = ..., policy: Optional[Policy] = None) -> None:
         """Raises InvalidArgument: an option out of range, a policy that does not fit."""
     def plan(self, belief: Union[Belief, numpy.typing.ArrayLike], seed: int = 1) -> OnlineDecision:
         """The action at a belief; counted work and one seed repeat exactly."""
 
 class BeliefPlannerOptions:
     """How BeliefPlanner searches."""
-
-    def __init__(
-        self, *, precision: float = 0.001, time_s: float = 0.1, max_expansions: int = 0
-    ) -> None:
+    def __init__(self, *, precision: float = 0.001, time_s: float = 0.1, max_expansions: int = 0) -> None:
         """See the attributes."""
     @property
     def precision(self) -> float:
@@ -804,7 +657,6 @@ class BeliefPlannerOptions:
 
 class BeliefDecision:
     """What to do, and how sure that is."""
-
     @property
     def action(self) -> int:
         """its index"""
@@ -823,7 +675,6 @@ class BeliefPlanner:
     offline policy as its lower bound, than which it never does worse. It keeps the robot's
     belief.
     """
-
     def __init__(self, model: Model, policy: Policy, options: BeliefPlannerOptions = ...) -> None:
         """At the model's initial belief, or at the first of its initial outcomes. Raises
         InvalidArgument.
@@ -853,15 +704,7 @@ class GenerativePlanner:
     observation contradicts all samples. States and observations are any objects that can be
     hashed.
     """
-
-    def __init__(
-        self,
-        model: Any,
-        states: Iterable,
-        options: OnlineOptions = ...,
-        particles: ParticleOptions = ...,
-        seed: int = 1,
-    ) -> None:
+    def __init__(self, model: Any, states: Iterable, options: OnlineOptions = ..., particles: ParticleOptions = ..., seed: int = 1) -> None:
         """`states` are samples of the initial belief. Raises InvalidArgument: a method is missing,
         an option out of range, no states.
         """

@@ -8,52 +8,42 @@ from typing import Callable, ClassVar, Optional, overload
 
 class Error(RuntimeError):
     """Base of everything that KR3's cores throw. `code` says what a caller can act on."""
-
     code: ClassVar[str]
 
 class InvalidArgument(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class NotFound(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class FailedPrecondition(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class Unavailable(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class ResourceExhausted(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class DeadlineExceeded(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class Cancelled(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class InternalError(Error):
     """An Error with the code of its name."""
-
     code: ClassVar[str]
 
 class SourcePosition:
     """Where something stands in a file; line and column count from 1."""
-
     @property
     def file(self) -> str:
         """its name as it was given"""
@@ -68,7 +58,6 @@ class Description:
     """A domain description that passed every check of the language. str() gives it in the
     language.
     """
-
     @property
     def sorts(self) -> dict:
         """The elements of each sort."""
@@ -87,7 +76,6 @@ def parseDescription(text: str, file: str) -> Description:
 @overload
 def readDescription(path: str) -> Description:
     """Reads and parses a file. Raises NotFound or InvalidArgument."""
-
 @overload
 def readDescription(paths: list[str]) -> Description:
     """Reads one description from several files. Raises NotFound or InvalidArgument."""
@@ -102,7 +90,6 @@ def readRefinement(path: str, base: Description) -> Description:
 
 class RecordKind:
     """Members:"""
-
     kObserved: ClassVar[RecordKind]
     kHappened: ClassVar[RecordKind]
     kAttempted: ClassVar[RecordKind]
@@ -116,16 +103,7 @@ class RecordKind:
 
 class Record:
     """One record of a history (Zhang et al. 2014)."""
-
-    def __init__(
-        self,
-        kind: RecordKind,
-        statement: str,
-        value: bool = True,
-        step: int = 0,
-        confidence: float = 1.0,
-        source: str = "robot",
-    ) -> None: ...
+    def __init__(self, kind: RecordKind, statement: str, value: bool = True, step: int = 0, confidence: float = 1.0, source: str = 'robot') -> None: ...
     @property
     def kind(self) -> RecordKind:
         """what the record says"""
@@ -168,7 +146,6 @@ def readHistory(path: str, description: Description) -> list[Record]:
 
 class SparcImport:
     """What a SPARC program says, in KR3's language."""
-
     @property
     def description(self) -> str:
         """of the domain"""
@@ -189,7 +166,6 @@ def readSparc(path: str) -> SparcImport:
 
 class Answer:
     """Members:"""
-
     kFalse: ClassVar[Answer]
     kTrue: ClassVar[Answer]
     kUnknown: ClassVar[Answer]
@@ -202,7 +178,6 @@ class Answer:
 
 class AssumptionKind:
     """Members:"""
-
     kException: ClassVar[AssumptionKind]
     kExogenous: ClassVar[AssumptionKind]
     kFailure: ClassVar[AssumptionKind]
@@ -216,7 +191,6 @@ class AssumptionKind:
 
 class Assumption:
     """One element of a minimal explanation."""
-
     @property
     def kind(self) -> AssumptionKind:
         """what is assumed"""
@@ -241,7 +215,6 @@ class Assumption:
 
 class ExplanationAlternative:
     """One minimal explanation of a history."""
-
     @property
     def assumptions(self) -> list[Assumption]:
         """its elements"""
@@ -256,7 +229,6 @@ class ExplanationPart:
     """What explains a part of what is unexpected; any of its explanations goes with any of
     those of the other parts.
     """
-
     @property
     def price(self) -> int:
         """of each of them"""
@@ -272,7 +244,6 @@ class ExplanationPart:
 
 class Diagnosis:
     """Minimal explanations of the history."""
-
     @property
     def consistent(self) -> bool:
         """whether there is an explanation"""
@@ -306,7 +277,6 @@ class Diagnosis:
 
 class Retraction:
     """Doubtful records that would have to be given up together."""
-
     @property
     def records(self) -> list[int]:
         """indices into the history"""
@@ -322,7 +292,6 @@ class Retraction:
 
 class HistoryModel:
     """One model of a history: a path of states with an explanation."""
-
     @property
     def assumed(self) -> list[str]:
         """as in Diagnosis.explanations"""
@@ -338,7 +307,6 @@ class HistoryModel:
 
 class Progress:
     """What became of a wish to progress a history."""
-
     @property
     def first_step(self) -> int:
         """where the history begins now"""
@@ -351,7 +319,6 @@ class Progress:
 
 class ReasonKind:
     """Members:"""
-
     kObserved: ClassVar[ReasonKind]
     kHappened: ClassVar[ReasonKind]
     kCaused: ClassVar[ReasonKind]
@@ -380,7 +347,6 @@ class ReasonKind:
 
 class Reason:
     """A node of a proof. Its children are what it rests on."""
-
     @property
     def kind(self) -> ReasonKind:
         """how it is known"""
@@ -408,7 +374,6 @@ class Reason:
 
 class LawKind:
     """Members:"""
-
     kCausal: ClassVar[LawKind]
     kConstraint: ClassVar[LawKind]
     kDefinition: ClassVar[LawKind]
@@ -422,7 +387,6 @@ class LawKind:
 
 class CitedLaw:
     """A law of the description that an explanation rests on."""
-
     @property
     def kind(self) -> LawKind:
         """which law it is"""
@@ -435,7 +399,6 @@ class CitedLaw:
 
 class Explanation:
     """Why a literal is entailed."""
-
     @property
     def entailed(self) -> bool:
         """whether the literal is entailed at all"""
@@ -460,7 +423,6 @@ class Explanation:
 
 class OpenQuestion:
     """What is open about a literal, and what would settle it."""
-
     @property
     def open(self) -> bool:
         """whether it is possible and not entailed"""
@@ -476,7 +438,6 @@ class OpenQuestion:
 
 class PlanPreference:
     """Members:"""
-
     kShortest: ClassVar[PlanPreference]
     kCheapestShortest: ClassVar[PlanPreference]
     kCheapest: ClassVar[PlanPreference]
@@ -489,18 +450,7 @@ class PlanPreference:
 
 class PlanOptions:
     """Which plans are wanted, and within which limits."""
-
-    def __init__(
-        self,
-        *,
-        max_horizon: int = 12,
-        time_limit: datetime.timedelta = ...,
-        on_horizon: Optional[Callable[[int], None]] = None,
-        preference: PlanPreference = ...,
-        all: bool = False,
-        max_plans: int = 100,
-        relevant_only: bool = True,
-    ) -> None: ...
+    def __init__(self, *, max_horizon: int = 12, time_limit: datetime.timedelta = ..., on_horizon: Optional[Callable[[int], None]] = None, preference: PlanPreference = ..., all: bool = False, max_plans: int = 100, relevant_only: bool = True) -> None: ...
     @property
     def max_horizon(self) -> int:
         """steps of the longest plan to try"""
@@ -544,7 +494,6 @@ class PlanOptions:
 
 class ProblemSize:
     """The size of a description with its history."""
-
     @property
     def fluents(self) -> int:
         """ground, statics left out"""
@@ -560,7 +509,6 @@ class ProblemSize:
 
 class Plan:
     """A plan under a hypothesis."""
-
     @property
     def hypothesis(self) -> list[str]:
         """literals; empty when nothing is assumed"""
@@ -573,7 +521,6 @@ class Plan:
 
 class PlanResult:
     """Plans, or why there is none."""
-
     @property
     def goal_entailed(self) -> bool:
         """nothing to do"""
@@ -604,7 +551,6 @@ class PlanResult:
 
 class RelevantItem:
     """A constant, fluent or action that can matter to a goal, and why."""
-
     @property
     def name(self) -> str:
         """as in the language"""
@@ -614,7 +560,6 @@ class RelevantItem:
 
 class RelevantPart:
     """What can matter to a goal."""
-
     @property
     def constants(self) -> list[RelevantItem]:
         """elements of sorts"""
@@ -636,18 +581,7 @@ class RelevantPart:
 
 class ReasonerOptions:
     """What a diagnosis may assume, and at what price."""
-
-    def __init__(
-        self,
-        *,
-        diagnose_exogenous: bool = False,
-        exception_weight: int = 1,
-        exogenous_weight: int = 1,
-        default_weights: dict[str, int] = {},
-        least_step: int = 0,
-        window: int = 0,
-        max_combinations: int = 1000,
-    ) -> None: ...
+    def __init__(self, *, diagnose_exogenous: bool = False, exception_weight: int = 1, exogenous_weight: int = 1, default_weights: dict[str, int] = {}, least_step: int = 0, window: int = 0, max_combinations: int = 1000) -> None: ...
     @property
     def diagnose_exogenous(self) -> bool:
         """whether exogenous actions compete with exceptions from the start; otherwise they are
@@ -688,7 +622,6 @@ class ReasonerOptions:
 
 class Cancellation:
     """Ends a call of plan from another thread: it raises Cancelled."""
-
     def __init__(self) -> None: ...
     def cancel(self) -> None:
         """May be called from any thread."""
@@ -700,7 +633,6 @@ class Reasoner:
     answered by clingo. Threads may share one; their questions wait for each other, the
     interpreter runs on meanwhile, and Ctrl-C ends a question.
     """
-
     def __init__(self, description: Description, options: ReasonerOptions = ...) -> None: ...
     @property
     def description(self) -> Description:
@@ -736,7 +668,8 @@ class Reasoner:
         step.
         """
     def possibleValues(self, fluent: str, step: int) -> list[str]:
-        """The values that a ground fluent takes at a step in some model, in the order of its sort."""
+        """The values that a ground fluent takes at a step in some model, in the order of its sort.
+        """
     def diagnose(self) -> Diagnosis:
         """The minimal explanations of the history, or a minimal set of conflicting records."""
     def explain(self, literal: str, step: int) -> Explanation:
@@ -755,9 +688,7 @@ class Reasoner:
         """The same, so that a literal is possible at a step."""
     def leastCertainRefutation(self, fluent: str) -> Retraction:
         """The least certain refutation of a value of a ground fluent at the current step."""
-    def plan(
-        self, goal: str, options: PlanOptions = ..., cancel: Optional[Cancellation] = None
-    ) -> PlanResult:
+    def plan(self, goal: str, options: PlanOptions = ..., cancel: Optional[Cancellation] = None) -> PlanResult:
         """Plans from the current step, one for each hypothesis. Ctrl-C and `cancel` end it. Raises
         InvalidArgument, DeadlineExceeded or Cancelled.
         """
