@@ -99,7 +99,7 @@ private:
   void refine()
   {
     std::size_t before = 0;
-    for (std::size_t now = count(); now > before && now <= colours_.size(); now = count())
+    for (std::size_t now = count(); now > before && now < colours_.size(); now = count())
     {
       before = now;
       lookAround();
