@@ -296,6 +296,34 @@ TEST_F(CachedReasonerTest, WhatIsSupposedIsNotProgressed)
   }
 }
 
+TEST_F(CachedReasonerTest, WhatIsSupposedIsLeftBehind)
+{
+  std::vector<Record> steps = walkedOnAndOn();
+  steps.insert(steps.begin() + 1, {RecordKind::kObserved, "lit(kitchen)", false, 1});
+  const int now = currentStep(steps);
+  const Record seen{RecordKind::kObserved, "lit(corridor)", false, now};
+  InProcessReasoner plain(twoPlaces(), {});
+  CachedReasoner cached(twoPlaces(), {}, cache);
+  cached.restart(ConfidenceMatch::kBelowOne);
+  for (HighLevelReasoner* reasoner :
+       {static_cast<HighLevelReasoner*>(&plain), static_cast<HighLevelReasoner*>(&cached)})
+  {
+    reasoner->suppose({steps.begin(), steps.end() - 1});
+    reasoner->setHistory(steps);
+  }
+  EXPECT_EQ(cached.numExceptions(), 1) << "it is followed again";
+  EXPECT_EQ(cached.entailedAt(now), plain.entailedAt(now));
+  for (HighLevelReasoner* reasoner :
+       {static_cast<HighLevelReasoner*>(&plain), static_cast<HighLevelReasoner*>(&cached)})
+  {
+    reasoner->suppose(steps);
+    reasoner->addRecords({seen});
+  }
+  EXPECT_EQ(cached.entailedAt(now), plain.entailedAt(now));
+  EXPECT_EQ(cached.minimalExplanations().explanations, plain.minimalExplanations().explanations);
+  EXPECT_EQ(cached.entails("lit(corridor)", now), reasoner::Answer::kFalse);
+}
+
 TEST_F(CachedReasonerTest, ALongHistoryIsNotLookedUp)
 {
   constexpr int kWindow = kDefaultHistoryWindow;

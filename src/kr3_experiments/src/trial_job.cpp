@@ -4,6 +4,7 @@
 #include <chrono>
 #include <functional>
 #include <map>
+#include <set>
 
 #include <kr3_common/error.hpp>
 
@@ -205,18 +206,28 @@ std::vector<Record> initialRecords(std::vector<Record> of_scenario, const Trial&
     return reasoner::toString(reasoner::parseGroundLiteral(text, description).atom);
   };
   std::vector<Record> records = std::move(of_scenario);
+  std::set<std::string> named;
   for (const std::string& text : trial.initially)
   {
     const reasoner::Literal literal = reasoner::parseGroundLiteral(text, description);
     if (!literal.equal)
       throw InvalidArgument("'initially': found " + text + ", expected f = v, f or -f");
     const std::string atom = reasoner::toString(literal.atom);
-    records.erase(std::remove_if(
-                      records.begin(), records.end(),
-                      [&](const Record& record) {
-      return record.kind == RecordKind::kInitially && atomOf(record.statement) == atom;
-                      }),
-                  records.end());
+    if (!named.insert(atom).second)
+      throw InvalidArgument("'initially': found " + atom + " twice, expected one value");
+    const auto about = [&](const Record& record, RecordKind kind) {
+      return record.kind == kind && atomOf(record.statement) == atom;
+    };
+    const bool seen = std::any_of(records.begin(), records.end(), [&](const Record& record) {
+      return about(record, RecordKind::kObserved);
+    });
+    if (seen)
+      throw InvalidArgument("'initially': found " + text + ", but the scenario has observed " +
+                            atom);
+    records.erase(
+        std::remove_if(records.begin(), records.end(),
+                       [&](const Record& record) { return about(record, RecordKind::kInitially); }),
+        records.end());
     const std::string value = literal.value.name;
     const bool boolean = value == "true" || value == "false";
     records.push_back(

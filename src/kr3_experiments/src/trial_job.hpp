@@ -42,9 +42,11 @@ struct TrialJob
 /// @throws InvalidArgument  no JSON, or an unknown, missing or wrong key; the message names it
 [[nodiscard]] TrialJob readTrialJob(const std::string& line);
 
-/// What the robot is told at the start of a trial: the scenario's records, those of fluents that
-/// `initially` is about replaced.
-/// @throws InvalidArgument  a literal does not fit the description, or says what is not so
+/// What the robot is told at the start of a trial: the scenario's records, what it says initially
+/// of the fluents of `initially` replaced.
+/// @throws InvalidArgument  a literal does not fit the description, says what is not so, or is
+/// about
+///                          a fluent that has one already or that the scenario has observed
 [[nodiscard]] std::vector<reasoner::Record> initialRecords(
     std::vector<reasoner::Record> of_scenario, const Trial& trial,
     const reasoner::Description& description);

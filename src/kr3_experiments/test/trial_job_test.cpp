@@ -30,7 +30,7 @@ TEST(TrialJob, SaysEverythingThatARowDependsOn)
   const TrialJob job = readTrialJob(
       R"({"job": "a7", "domain": "d", "method": "pomdp2", "bias": 0.7, "flat_backups": 50,
           "max_ll_actions": 9, "models": "learned.yaml", "world_models": "models.yaml",
-          "trials": [{"seed": 3, "truths": ["f = 1"]}, {"seed": 4}]})");
+          "trials": [{"seed": 3, "truths": ["f = 1"], "initially": ["g = 2"]}, {"seed": 4}]})");
   EXPECT_EQ(job.id, "a7");
   EXPECT_EQ(job.config.method, kr3::executive::Method::kPomdp2);
   EXPECT_EQ(job.config.baseline.default_probability, 0.7);
@@ -40,6 +40,7 @@ TEST(TrialJob, SaysEverythingThatARowDependsOn)
   EXPECT_EQ(job.config.world_models, "models.yaml");
   ASSERT_EQ(job.trials.size(), 2U);
   EXPECT_THAT(job.trials[0].truths, ElementsAre("f = 1"));
+  EXPECT_THAT(job.trials[0].initially, ElementsAre("g = 2"));
 }
 
 TEST(TrialJob, WhatTheRobotIsToldReplacesTheScenario)
@@ -53,7 +54,7 @@ TEST(TrialJob, WhatTheRobotIsToldReplacesTheScenario)
   const std::vector<Record> of_scenario{{RecordKind::kInitially, "loc(cup) = kitchen"},
                                         {RecordKind::kInitially, "loc(pen) = kitchen"},
                                         {RecordKind::kInitially, "lit(kitchen)"},
-                                        {RecordKind::kObserved, "lit(kitchen)"}};
+                                        {RecordKind::kObserved, "lit(office)"}};
   const auto told = [&](std::vector<std::string> initially) {
     std::vector<std::string> texts;
     const kr3::experiments::Trial trial{1, {}, std::move(initially)};
@@ -62,11 +63,13 @@ TEST(TrialJob, WhatTheRobotIsToldReplacesTheScenario)
     return texts;
   };
   EXPECT_THAT(told({"loc(pen) = office", "-lit(kitchen)"}),
-              ElementsAre("init(loc(cup) = kitchen, true)", "obs(lit(kitchen), true, 0)",
+              ElementsAre("init(loc(cup) = kitchen, true)", "obs(lit(office), true, 0)",
                           "init(loc(pen) = office, true)", "init(lit(kitchen), false)"));
   EXPECT_EQ(told({}).size(), of_scenario.size());
   EXPECT_THROW(told({"loc(pen) = cellar"}), kr3::InvalidArgument);
   EXPECT_THROW(told({"loc(pen) != office"}), kr3::InvalidArgument);
+  EXPECT_THROW(told({"loc(pen) = office", "loc(pen) = kitchen"}), kr3::InvalidArgument);
+  EXPECT_THROW(told({"-lit(office)"}), kr3::InvalidArgument);
 }
 
 TEST(TrialJob, RefusesNumbersThatNoSolverEndsWith)

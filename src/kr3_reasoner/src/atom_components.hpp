@@ -14,7 +14,7 @@ namespace kr3::reasoner
 ///
 /// A rule that says when an atom is true joins nothing before the atom is used: by a rule that is
 /// no such definition, or by one of an atom that is used. What nothing depends on restricts
-/// nothing.
+/// nothing, in programs where no atom rests on its own negation (definition_check.hpp sees to it).
 class AtomComponents
 {
 public:
@@ -31,7 +31,8 @@ public:
   void use(Atom atom) { join({static_cast<Clingo::literal_t>(atom)}); }
   [[nodiscard]] bool isUsed(Atom atom) const { return atom < used_.size() && used_[atom]; }
 
-  /// One atom that stands for the component of `atom`, which is best used already.
+  /// One atom that stands for the component of `atom`. One that is not used stands for itself: what
+  /// defines it joins it later.
   [[nodiscard]] Atom representative(Atom atom);
 
 private:

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <numeric>
-#include <set>
 #include <tuple>
 
 namespace kr3::reasoner
@@ -37,7 +36,8 @@ std::size_t indexOf(SolverLiteral literal)
 class Colouring
 {
 public:
-  explicit Colouring(const LocalProgram& program) : program_(program), colours_(program.num_atoms)
+  Colouring(const LocalProgram& program, const SearchLimit& limit)
+    : program_(program), limit_(limit), colours_(program.num_atoms)
   {
     for (std::size_t f = 0; f < program.fluents.size(); ++f)
     {
@@ -101,14 +101,18 @@ private:
     std::size_t before = 0;
     for (std::size_t now = count(); now > before && now < colours_.size(); now = count())
     {
+      limit_.check();
       before = now;
       lookAround();
     }
   }
 
-  [[nodiscard]] std::size_t count() const
+  /// How many colours there are.
+  [[nodiscard]] std::size_t count()
   {
-    return std::set<Colour>(colours_.begin(), colours_.end()).size();
+    sorted_ = colours_;
+    std::sort(sorted_.begin(), sorted_.end());
+    return static_cast<std::size_t>(std::unique(sorted_.begin(), sorted_.end()) - sorted_.begin());
   }
 
   /// Each atom's colour becomes one of its own and those of the atoms that it has rules with.
@@ -145,7 +149,9 @@ private:
   }
 
   const LocalProgram& program_;
+  const SearchLimit& limit_;
   std::vector<Colour> colours_;
+  std::vector<Colour> sorted_;  // kept for its memory
 };
 
 SolverLiteral renumbered(SolverLiteral literal, const std::vector<Clingo::atom_t>& numbers)
@@ -175,9 +181,9 @@ bool comesBefore(const LocalProgram::Rule& a, const LocalProgram::Rule& b)
 
 }  // namespace
 
-CanonicalProgram::CanonicalProgram(const LocalProgram& original)
+CanonicalProgram::CanonicalProgram(const LocalProgram& original, const SearchLimit& limit)
 {
-  const std::vector<Clingo::atom_t> numbers = Colouring(original).numbers();
+  const std::vector<Clingo::atom_t> numbers = Colouring(original, limit).numbers();
   program_.num_atoms = original.num_atoms;
   takeFluents(original, numbers);
   takeAssumptions(original, numbers);

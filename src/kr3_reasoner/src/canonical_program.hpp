@@ -18,7 +18,8 @@ namespace kr3::reasoner
 class CanonicalProgram
 {
 public:
-  explicit CanonicalProgram(const LocalProgram& original);
+  /// @throws Cancelled, DeadlineExceeded  the limit was reached
+  explicit CanonicalProgram(const LocalProgram& original, const SearchLimit& limit = {});
 
   [[nodiscard]] const LocalProgram& program() const { return program_; }
 

@@ -334,7 +334,7 @@ LocalTable LocalTables::of(const LocalProgram& program, const SearchLimit& limit
   {
     known_.clear();
   }
-  const CanonicalProgram canonical(program);
+  const CanonicalProgram canonical(program, limit);
   const std::string key = canonical.program().key();
   auto known = known_.find(key);
   if (known == known_.end())

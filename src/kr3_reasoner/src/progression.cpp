@@ -165,6 +165,8 @@ private:
       components_.join(literals);
       open.push_back(f);
     }
+    history_->useAssumptions(components_);
+    // From here on nothing is joined any more: parts are numbered by what hangs together.
     for (const std::size_t f : open)
     {
       const GroundFluent& fluent = dynamics.fluents()[f];
@@ -185,7 +187,6 @@ private:
       part->component.fluents.push_back({atomOf(fluent), fluent.values});
       part->program.fluents.push_back(std::move(literals));
     }
-    history_->useAssumptions(components_);
     addAssumptions();
     addRules();
   }

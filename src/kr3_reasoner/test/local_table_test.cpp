@@ -176,10 +176,10 @@ TEST(CanonicalProgram, KeepsProgramsApart)
 {
   LocalProgram dearer = moveProgram(5);
   dearer.assumptions.front().price = 4;
-  LocalProgram stricter = moveProgram(5);
-  stricter.rules.pop_back();
+  LocalProgram laxer = moveProgram(5);
+  laxer.rules.pop_back();
   std::set<std::string> keys;
-  for (const LocalProgram& program : {moveProgram(5), moveProgram(6), dearer, stricter})
+  for (const LocalProgram& program : {moveProgram(5), moveProgram(6), dearer, laxer})
   {
     keys.insert(CanonicalProgram(program).program().key());
   }

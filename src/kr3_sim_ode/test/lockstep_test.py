@@ -155,12 +155,12 @@ class LockstepTest(unittest.TestCase):
             rospy.wait_for_service("lockstep/register", timeout=TIMEOUT)
             echo = rospy.Publisher("echo", LaserScan, queue_size=100)
             self.addCleanup(echo.unregister)
+            clock = Collector("/clock", Clock)
+            self.addCleanup(clock.subscriber.unregister)
             wait_until(lambda: echo.get_num_connections() > 0, "lockstep_follow listens")
             time.sleep(1.0)  # it reads a map, say
             scans = rospy.Subscriber("scan", LaserScan, echo.publish)
             self.addCleanup(scans.unregister)
-            clock = Collector("/clock", Clock)
-            self.addCleanup(clock.subscriber.unregister)
             wait_until(lambda: clock.messages, "the latched time")
             start = clock.messages[0].clock
             passed = 20 * PERIOD

@@ -25,6 +25,13 @@ def _prepare_child() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
+def end_with_parent(parent: int) -> None:
+    """In a child that `parent` has forked: get SIGTERM when it ends, however it ends, also if it has already."""
+    _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+    if os.getppid() != parent:
+        os.kill(os.getpid(), signal.SIGTERM)
+
+
 class ManagedProcess:
     """One child in a process group and session of its own, with its output in a log file.
 

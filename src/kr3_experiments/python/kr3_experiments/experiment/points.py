@@ -64,9 +64,8 @@ class TargetRule:
     share: float = 0.0
     fluent: str = "loc(b1)"
     prefix: str = "r"
-    start: str = (
-        ""  # the fluent of the room where the robot starts, any as likely; none: the scenario says
-    )
+    # The fluent of the room where the robot starts, any as likely; none: the scenario says.
+    start: str = ""
 
     def room(self, seed: int) -> str:
         """Name of the room in the trial with this seed."""

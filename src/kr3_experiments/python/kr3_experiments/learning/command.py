@@ -1,7 +1,6 @@
 """`./kr3 learn`: the training phase. The robot acts and looks, the simulator or a person says what was true, and the
 counts become the domain's models file."""
 import argparse
-import multiprocessing
 from pathlib import Path
 from typing import Callable, Optional
 
@@ -22,8 +21,9 @@ from kr3_experiments.experiment.sweep import commit
 from kr3_experiments.learning.counts import AttemptLog, count, joined, read_attempts
 from kr3_experiments.learning.models_file import agreement
 from kr3_experiments.learning.session import Lesson, conclude, load_lesson
-from kr3_experiments.learning.trials import Curriculum, train
+from kr3_experiments.learning.trials import Curriculum, NothingTried, train
 from kr3_experiments.learning.truth import components
+from kr3_experiments.own_process import in_own_process
 from kr3_experiments.stack import Stack
 from kr3_experiments.stack_file import load_stack
 from kr3_experiments.terminal import Terminal
@@ -32,6 +32,7 @@ _WANTED = 200
 _WANTED_QUICK = 15
 _LEARNED = "models_learned.yaml"  # in the folder of what it was learned from
 _ATTEMPTS_A_WORLD = 40  # about as many as there are before most things in it were handled
+_WORLDS_IN_VAIN = 5
 _NOT_NEEDED = ("executive_node", "reasoner_node", "policy_node")
 
 
@@ -179,8 +180,9 @@ def _drive(args: argparse.Namespace, lesson: Lesson, wanted: int, terminal: Term
     log.close()
     interrupted: Optional[BaseException] = None
     try:
-        while _in_process(lambda: _in_one_world(args, domain, lesson, wanted, run_dir)) > 0:
-            pass
+        _through_worlds(
+            lambda: in_own_process(lambda: _in_one_world(args, domain, lesson, wanted, run_dir))
+        )
     except (KeyboardInterrupt, Kr3Error) as error:
         interrupted = error
     log = _log_of(args, run_dir)
@@ -198,37 +200,19 @@ def _drive(args: argparse.Namespace, lesson: Lesson, wanted: int, terminal: Term
     return 0
 
 
-def _in_process(work: Callable[[], int]) -> int:
-    """What `work` returns, done in a process of its own, since a process joins one ROS master in its life.
+def _through_worlds(one_world: Callable[[], int]) -> None:
+    """@param one_world  goes through one, and tells how many trials are left
 
-    @throws Kr3Error  what it throws, or it ended without a word
+    @throws Kr3Error  worlds that bring nothing
     """
-    context = multiprocessing.get_context("fork")
-    receiver, sender = context.Pipe(duplex=False)
-
-    def run() -> None:
-        try:
-            sender.send(work())
-        except Kr3Error as error:
-            sender.send(str(error))
-        except KeyboardInterrupt:
-            pass
-
-    process = context.Process(target=run)
-    process.start()
-    sender.close()
-    try:
-        process.join()
-    except BaseException:
-        process.terminate()
-        process.join()
-        raise
-    if not receiver.poll():
-        raise Kr3Error("the training phase was ended")
-    answer = receiver.recv()
-    if isinstance(answer, str):
-        raise Kr3Error(answer)
-    return int(answer)
+    least = left = one_world()
+    in_vain = 0
+    while left > 0:
+        left = one_world()
+        in_vain = 0 if left < least else in_vain + 1
+        least = min(least, left)
+        if in_vain == _WORLDS_IN_VAIN:
+            raise Kr3Error(f"{in_vain} worlds brought no trial that is wanted; {left} are left")
 
 
 def _in_one_world(
@@ -271,7 +255,7 @@ def _in_one_world(
                 terminal.line,
                 _ATTEMPTS_A_WORLD,
             )
-        except Kr3Error as error:
+        except NothingTried as error:
             if len(log.attempts) == before:
                 raise
             terminal.detail(f"{error}; the training goes on in another world")

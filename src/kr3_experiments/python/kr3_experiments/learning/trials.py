@@ -25,6 +25,10 @@ class Outcome:
     metres: Optional[float] = None
 
 
+class NothingTried(Kr3Error):
+    """Trial after trial could not be made at all."""
+
+
 class Trainee(Protocol):
     """Something that acts, and whose truth is known."""
 
@@ -269,7 +273,7 @@ def train(
     """Trials in one world until the curriculum is through, each kept in the log. Those already there count.
 
     @param most  trials in this world: later ones need another, in which nothing was handled yet
-    @throws Kr3Error  five trials in a row could not be made
+    @throws NothingTried  five trials in a row could not be made
     """
     for attempt in log.attempts:
         curriculum.record(attempt)
@@ -297,7 +301,7 @@ def train(
             failed.append(action)
             report(f"not counted: {error}")
             if len(failed) == 5:
-                raise Kr3Error(
+                raise NothingTried(
                     f"five trials in a row could not be made; the last: {error}"
                 ) from error
             continue
