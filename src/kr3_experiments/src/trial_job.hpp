@@ -44,9 +44,8 @@ struct TrialJob
 
 /// What the robot is told at the start of a trial: the scenario's records, what it says initially
 /// of the fluents of `initially` replaced.
-/// @throws InvalidArgument  a literal does not fit the description, says what is not so, or is
-/// about
-///                          a fluent that has one already or that the scenario has observed
+/// @throws InvalidArgument  a literal does not fit the description or says what is not so, or there
+///                          are two of a fluent, or the scenario has observed it
 [[nodiscard]] std::vector<reasoner::Record> initialRecords(
     std::vector<reasoner::Record> of_scenario, const Trial& trial,
     const reasoner::Description& description);

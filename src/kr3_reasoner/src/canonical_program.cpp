@@ -279,7 +279,8 @@ LocalTable CanonicalProgram::original(const LocalTable& table) const
     }
     std::sort(row.explanations.begin(), row.explanations.end());
   }
-  result.sort();
+  std::sort(result.rows.begin(), result.rows.end(),
+            [](const auto& a, const auto& b) { return a.values < b.values; });
   return result;
 }
 

@@ -23,7 +23,7 @@ public:
 
   [[nodiscard]] const LocalProgram& program() const { return program_; }
 
-  /// A table of this program, as one of the original.
+  /// A table of this program, its rows in any order, as one of the original.
   [[nodiscard]] LocalTable original(const LocalTable& table) const;
 
 private:

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <limits>
 #include <map>
+#include <optional>
 #include <unordered_set>
 #include <utility>
 
+#include "assumable.hpp"
 #include "canonical_program.hpp"
 #include "solver.hpp"
 
@@ -25,23 +26,26 @@ void put(std::string& text, std::int64_t number)
 /// The cheapest assumptions that were seen with the same values: retractions count first.
 struct Cheapest
 {
-  std::pair<int, int> price = {std::numeric_limits<int>::max(), 0};
+  std::optional<Price> price = {};
   std::vector<std::vector<std::size_t>> explanations = {};
 
   void consider(std::vector<std::size_t> assumed,
                 const std::vector<LocalProgram::Assumption>& assumptions)
   {
-    std::pair<int, int> paid{0, 0};
+    Price paid;
     for (const std::size_t index : assumed)
     {
       const LocalProgram::Assumption& assumption = assumptions[index];
-      (assumption.is_retraction ? paid.first : paid.second) += assumption.price;
+      (assumption.is_retraction ? paid.retractions : paid.assumptions) += assumption.price;
     }
-    if (paid > price)
+    const auto ranked = [](const Price& one) {
+      return std::make_pair(one.retractions, one.assumptions);
+    };
+    if (price && ranked(paid) > ranked(*price))
     {
       return;
     }
-    if (paid < price)
+    if (price && ranked(paid) < ranked(*price))
     {
       explanations.clear();
     }
@@ -194,7 +198,6 @@ private:
       }
       return table_.complete;
     });
-    table_.sort();
   }
 
   /// Looks at all combinations of values and assumptions, when they are few: one search is cheaper
@@ -254,7 +257,6 @@ private:
       RuleSink sink(solver_.control());
       sink.constraint(literals);
     }
-    table_.sort();
   }
 
   [[nodiscard]] std::vector<std::vector<std::size_t>> explanations(
@@ -272,7 +274,6 @@ private:
       return true;
         },
         row);
-    std::sort(found.begin(), found.end());
     return found;
   }
 
@@ -319,12 +320,6 @@ std::string LocalProgram::key() const
     }
   }
   return text;
-}
-
-void LocalTable::sort()
-{
-  std::sort(rows.begin(), rows.end(),
-            [](const Row& a, const Row& b) { return a.values < b.values; });
 }
 
 LocalTable LocalTables::of(const LocalProgram& program, const SearchLimit& limit)

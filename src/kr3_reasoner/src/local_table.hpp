@@ -48,10 +48,8 @@ struct LocalTable
     std::vector<std::size_t> values;                     ///< by fluent
     std::vector<std::vector<std::size_t>> explanations;  ///< indices of assumptions, sorted
   };
-  std::vector<Row> rows;  ///< none: the program is inconsistent
+  std::vector<Row> rows;  ///< by their values; none: the program is inconsistent
   bool complete = true;   ///< false: there are more combinations than was allowed
-
-  void sort();  ///< the rows by their values
 };
 
 /// How much of what may have come about is kept.

@@ -60,14 +60,14 @@ void RuleSink::rule(bool choice, SolverLiteral head, Body body)
     {
       to->rule(choice, {&atom, 1}, span(body));
     }
-    if (choice || components_ == nullptr)
+    ++num_rules_;
+    if (components_ != nullptr && choice)
     {
       body.push_back(head);
-      note(body);
+      components_->join(body);
     }
-    else
+    else if (components_ != nullptr)
     {
-      ++num_rules_;
       components_->define(atom, std::move(body));
     }
   }
