@@ -115,7 +115,10 @@ class Accuracy:
         return self._given
 
     def points(self, options: Options) -> List[Point]:
-        """PA everywhere, POMDP-1 on the floors of the table, ahead where it can be built, at each budget."""
+        """PA everywhere, POMDP-1 on the floors of the table, ahead where it can be built, at each budget.
+
+        What costs least comes first, so that a sweep that is interrupted has small floors and budgets.
+        """
         points = []
         for noise in _NOISES[:1] if options.quick else _NOISES:
             for rooms in _QUICK_ROOMS if options.quick else _ROOMS:
@@ -133,7 +136,9 @@ class Accuracy:
                         if counts:
                             kind = _Kind(method, seconds)
                             points.append(self._point(options, kind, rooms, noise, counts[i]))
-        return points
+        return sorted(
+            points, key=lambda point: point.label["rooms"] * (1.0 + point.label["seconds"])
+        )
 
     @staticmethod
     def _fraction(kind: _Kind, rooms: int) -> float:
