@@ -222,7 +222,7 @@ TrialResult AbstractMissions::run(const MissionSetup& setup, MissionObserver& ob
   AbstractWorld world(*shared_->domain, worldModels(), setup.seed);
   world.setNoise(setup.noise);
   world.reset(coarse, fine);
-  const Narrator narrator(shared_->bindings.phrases(), shared_->domain->highLevel());
+  const Narrator narrator(shared_->bindings.phrases());
   Mission* told = nullptr;
   std::unique_ptr<LowLevelExecutor> between;
   if (executor)

@@ -102,7 +102,7 @@ DomainBelief BeliefMission::startBelief(const std::string& goal)
   {
     parts_.reasoner.setHistory(knowledge_.history);
     knowledge = knowledgeOf(parts_.reasoner, *task, knowledge_.history, knowledge_.memory,
-                            parts_.narrator, default_probability_);
+                            default_probability_);
     if (fresh)
       cache_->knowledge[key] = knowledge;
   }

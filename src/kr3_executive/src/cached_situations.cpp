@@ -222,6 +222,21 @@ std::optional<int> CachedReasoner::numExceptions()
   return *known ? std::optional<int>(*present_->paid + **known) : std::nullopt;
 }
 
+bool CachedReasoner::restsOnDefault(const std::string& literal, int step)
+{
+  // Where exceptions are all that may be assumed, what is not so with any number of them is so for
+  // the sake of a default. Else records alone may suffice.
+  if (valuesAt(step) != nullptr && numExceptions())
+  {
+    const auto& at_any_price = *valuesOf(*present_->situation, Price::kAny);
+    const auto there = literals_.of(present_->renaming.ofText(literal));
+    const auto answer = at_any_price ? situations_->entails(*at_any_price, there) : std::nullopt;
+    if (answer && *answer != Answer::kTrue)
+      return true;
+  }
+  return HighLevelReasoner::restsOnDefault(literal, step);
+}
+
 std::shared_ptr<const KnownSituation> CachedReasoner::withoutContrary(
     const KnownSituation& situation, const reasoner::Literal& there)
 {

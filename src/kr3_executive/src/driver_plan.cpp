@@ -366,12 +366,14 @@ Support MissionDriver::findSupport(const std::string& literal, int step)
   if (const auto left = step == state_.step ? supportByElimination(literal) : std::nullopt)
     return *left;
 
+  // Which default it is matters to people only, and takes longer to find out.
+  if (!interest_.narration && reasoner_.restsOnDefault(literal, step))
+    return {config_.default_probability, "default"};
   const reasoner::Explanation why = reasoner_.explain(literal, step);
-  const std::string by_default = narrator_.defaultIn(why);
-  if (!by_default.empty())
+  if (!why.defaults.empty())
   {
-    expected_by_default_[literal] = by_default;
-    return {config_.default_probability, "default " + by_default};
+    expected_by_default_[literal] = why.defaults.front();
+    return {config_.default_probability, "default " + why.defaults.front()};
   }
   double probability = 1.0;
   for (const auto& record : knowledge_.history)

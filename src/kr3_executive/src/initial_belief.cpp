@@ -68,11 +68,10 @@ class Spreader
 {
 public:
   Spreader(HighLevelReasoner& reasoner, const refinement::DomainTask& task,
-           const std::vector<Record>& history, const Narrator& narrator)
+           const std::vector<Record>& history)
     : reasoner_(reasoner)
     , task_(task)
     , history_(history)
-    , narrator_(narrator)
     , step_(currentStep(history))
     , entailed_(entailedBy(reasoner, step_))
   {
@@ -142,7 +141,7 @@ private:
 
   [[nodiscard]] bool isByDefault(const std::string& fluent, const std::string& value)
   {
-    return !narrator_.defaultIn(reasoner_.explain(literalOf(fluent, value), step_)).empty();
+    return reasoner_.restsOnDefault(literalOf(fluent, value), step_);
   }
 
   /// @return what is left of the mass
@@ -184,7 +183,6 @@ private:
   HighLevelReasoner& reasoner_;
   const refinement::DomainTask& task_;
   const std::vector<Record>& history_;
-  const Narrator& narrator_;
   int step_;
   Entailed entailed_;
 };
@@ -221,7 +219,7 @@ std::set<std::string> constantsFor(const refinement::LowLevelDomain& domain,
 refinement::InitialKnowledge knowledgeOf(HighLevelReasoner& reasoner,
                                          const refinement::DomainTask& task,
                                          const std::vector<Record>& history,
-                                         const LowLevelMemory& memory, const Narrator& narrator,
+                                         const LowLevelMemory& memory,
                                          std::optional<double> default_probability)
 {
   refinement::InitialKnowledge knowledge;
@@ -231,7 +229,7 @@ refinement::InitialKnowledge knowledgeOf(HighLevelReasoner& reasoner,
         known != memory.end() && known->second.values.count(refinement::kElsewhere) == 0)
       knowledge.fine[fluent.name] = known->second.values;
   }
-  Spreader spreader(reasoner, task, history, narrator);
+  Spreader spreader(reasoner, task, history);
   for (const auto& entry : task.coarseFluents())
   {
     Distribution values = spreader.of(entry.first, default_probability);

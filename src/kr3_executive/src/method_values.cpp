@@ -148,9 +148,8 @@ private:
                        domain.highLevel()),
         options.mission.plan);
     reasoner.setHistory(history);
-    const Narrator narrator(missions_.bindings().phrases(), domain.highLevel());
     return task_->initialBelief(
-        knowledgeOf(reasoner, *task_, history, {}, narrator, options.default_probability),
+        knowledgeOf(reasoner, *task_, history, {}, options.default_probability),
         options.mission.baseline.max_states);
   }
 

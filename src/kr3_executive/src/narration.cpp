@@ -83,12 +83,7 @@ const char* toString(EventKind kind)
   return "UNKNOWN";
 }
 
-Narrator::Narrator(std::map<std::string, Phrase> phrases, const reasoner::Description& high_level)
-  : phrases_(std::move(phrases))
-{
-  for (const auto& rule : high_level.defaults)
-    defaults_.push_back(rule.name.name);
-}
+Narrator::Narrator(std::map<std::string, Phrase> phrases) : phrases_(std::move(phrases)) {}
 
 std::string Narrator::phrase(const std::string& literal) const
 {
@@ -106,26 +101,6 @@ std::string Narrator::refuted(const std::string& literal) const
   const auto found = phrases_.find(takeApart(literal).symbol);
   return found == phrases_.end() || found->second.refuted.empty() ? "but this is not so"
                                                                   : found->second.refuted;
-}
-
-std::string Narrator::defaultIn(const reasoner::Explanation& explanation) const
-{
-  static const std::string kBy = "by default ";
-  for (const auto& reason : explanation.reasons)
-  {
-    const auto at = reason.find(kBy);
-    if (at == std::string::npos)
-      continue;
-    const auto begin = at + kBy.size();
-    const auto end = reason.find_first_of(" (,.;:", begin);
-    const std::string name = reason.substr(begin, end == std::string::npos ? end : end - begin);
-    if (std::find(defaults_.begin(), defaults_.end(), name) == defaults_.end())
-      continue;
-    const bool has_arguments = end != std::string::npos && reason[end] == '(';
-    const auto close = has_arguments ? reason.find(')', end) : std::string::npos;
-    return close == std::string::npos ? name : reason.substr(begin, close + 1 - begin);
-  }
-  return {};
 }
 
 Narration Narrator::goal(const std::string& goal) const

@@ -73,7 +73,7 @@ public:
     : mission_(mission)
     , options_(options)
     , loaded_(load(filesOf(mission, options, result_.not_promised)))
-    , narrator_(loaded_.bindings.phrases(), loaded_.domain->highLevel())
+    , narrator_(loaded_.bindings.phrases())
     , reasoner_(descriptionFor(mission.method.method, loaded_.domain->highLevel()), mission.plan,
                 settingsOf(mission), interruption_)
     , policies_([this](const SolveBudget& budget) { return counted(budget); },

@@ -52,10 +52,9 @@ Start startOf(const AbstractMissions& missions, const AbstractMissionConfig& con
       domain, missions.models(), constantsFor(domain, scenario.goal, scenario.initial_records));
   InProcessReasoner reasoner(descriptionFor(Method::kPomdp1, domain.highLevel()), config.plan);
   reasoner.setHistory(scenario.initial_records);
-  const Narrator narrator(missions.bindings().phrases(), domain.highLevel());
-  auto states = task->initialBelief(
-      knowledgeOf(reasoner, *task, scenario.initial_records, {}, narrator, std::nullopt),
-      config.baseline.max_states);
+  auto states =
+      task->initialBelief(knowledgeOf(reasoner, *task, scenario.initial_records, {}, std::nullopt),
+                          config.baseline.max_states);
   return {reasoner::parseGoal(scenario.goal, domain.highLevel()),
           DomainBelief(std::move(task), std::move(states))};
 }

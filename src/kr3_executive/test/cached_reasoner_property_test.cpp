@@ -203,6 +203,15 @@ std::vector<std::string> answersOf(HighLevelReasoner& reasoner, int now)
       const auto why = reasoner.explain(contrary, now);
       return std::to_string(why.entailed) + " " + std::to_string(why.reasons.size());
     });
+    for (const std::string& text : {literal, contrary})
+    {
+      ask("by default " + text, [&] {
+        return reasoner.entails(text, now) == reasoner::Answer::kTrue &&
+                       reasoner.restsOnDefault(text, now)
+                   ? "yes"
+                   : "no";
+      });
+    }
     for (const std::string& wish : {literal, std::string()})
     {
       ask("without for '" + wish + "'", [&] {

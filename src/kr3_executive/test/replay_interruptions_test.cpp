@@ -89,7 +89,7 @@ struct Stage
     , reasoner(loaded.domain->highLevel(), {})
     , simulated(*loaded.domain, loaded.models, 1)
     , world(simulated)
-    , narrator(loaded.bindings.phrases(), loaded.domain->highLevel())
+    , narrator(loaded.bindings.phrases())
     , recorder(
           files, {}, [this] { return simulated.now(); },
           [this](const RecordedInput& input) { inputs.push_back(input); })

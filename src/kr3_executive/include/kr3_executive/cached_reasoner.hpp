@@ -96,6 +96,7 @@ public:
   bool possible(const std::string& literal, int step) override;
   std::vector<std::string> entailedAt(int step) override;
   reasoner::Explanation explain(const std::string& literal, int step) override;
+  bool restsOnDefault(const std::string& literal, int step) override;
   std::vector<reasoner::Retraction> retractions(const std::string& literal, int step) override;
   reasoner::PlanResult plan(const std::string& goal, std::uint32_t max_plans,
                             const std::atomic<bool>& cancel) override;

@@ -9,8 +9,7 @@
 #include <kr3_refinement/domain_task.hpp>
 
 #include "kr3_executive/interfaces.hpp"
-#include "kr3_executive/low_level_task.hpp"
-#include "kr3_executive/narration.hpp"
+#include "kr3_executive/low_level_memory.hpp"
 
 namespace kr3::executive
 {
@@ -36,7 +35,6 @@ namespace kr3::executive
                                                        const refinement::DomainTask& task,
                                                        const std::vector<reasoner::Record>& history,
                                                        const LowLevelMemory& memory,
-                                                       const Narrator& narrator,
                                                        std::optional<double> default_probability);
 
 }  // namespace kr3::executive

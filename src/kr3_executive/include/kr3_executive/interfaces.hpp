@@ -58,6 +58,11 @@ public:
   /// Entailed literals in the language, such as "loc(rob1) = office".
   [[nodiscard]] virtual std::vector<std::string> entailedAt(int step) = 0;
   [[nodiscard]] virtual reasoner::Explanation explain(const std::string& literal, int step) = 0;
+  /// Whether an entailed literal rests on a default: explain() would cite one.
+  [[nodiscard]] virtual bool restsOnDefault(const std::string& literal, int step)
+  {
+    return !explain(literal, step).defaults.empty();
+  }
   /// Doubtful records to give up, most doubtful first: so that the literal is possible, or with an
   /// empty one so that the history is consistent. None when it is, or when no doubtful record
   /// helps.

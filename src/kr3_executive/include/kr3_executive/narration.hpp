@@ -108,16 +108,12 @@ public:
 class Narrator
 {
 public:
-  /// @param defaults  names of the description's defaults ("d1"), to recognise them in reasons
-  Narrator(std::map<std::string, Phrase> phrases, const reasoner::Description& high_level);
+  explicit Narrator(std::map<std::string, Phrase> phrases);
 
   /// "tb1 in main_library", or the literal itself where the domain has no phrase.
   [[nodiscard]] std::string phrase(const std::string& literal) const;
   /// "not found there"
   [[nodiscard]] std::string refuted(const std::string& literal) const;
-
-  /// The ground default that the explanation rests on, "d1(tb1)"; empty if it rests on none.
-  [[nodiscard]] std::string defaultIn(const reasoner::Explanation& explanation) const;
 
   [[nodiscard]] Narration goal(const std::string& goal) const;
   [[nodiscard]] Narration plan(const CostedPlan& plan, std::size_t num_plans) const;
@@ -150,7 +146,6 @@ private:
                                     const std::map<std::string, std::string>& defaults_of) const;
 
   std::map<std::string, Phrase> phrases_;
-  std::vector<std::string> defaults_;
 };
 
 }  // namespace kr3::executive

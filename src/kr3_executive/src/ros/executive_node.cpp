@@ -88,7 +88,7 @@ ExecutiveNode::ExecutiveNode(ros::NodeHandle nh, const ros::NodeHandle& private_
   domain_ = std::move(loaded.domain);
   models_ = std::move(loaded.models);
   bindings_ = std::move(loaded.bindings);
-  narrator_ = std::make_unique<Narrator>(bindings_.phrases(), high_level);
+  narrator_ = std::make_unique<Narrator>(bindings_.phrases());
   executor_ = std::make_unique<RosExecutor>(nh, bindings_);
   const auto now_s = [this] { return clock_.now().toSec(); };
   recorder_ = std::make_unique<MissionRecorder>(
