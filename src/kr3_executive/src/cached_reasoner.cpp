@@ -174,8 +174,8 @@ void CachedReasoner::tell(const std::vector<Record>& records, Told::How how)
       if (!situations_)
         situations_ = std::make_unique<reasoner::Situations>(description_, settings_.options);
       situations_->check(records);
-      // From situation to situation is the longer way to what is asked once of a long history.
-      if (how == Told::How::kSupposed && isLong())
+      // From situation to situation is no shorter way to what is asked once.
+      if (how == Told::How::kSupposed)
         present_.reset();
       else
         follow(records, anew);

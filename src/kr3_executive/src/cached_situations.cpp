@@ -130,7 +130,7 @@ bool CachedReasoner::advance(Present& present, const std::vector<Record>& record
       if (const auto later = situations_->next(present.situation->renamed.situation))
       {
         found = known(situations_->canonical(later->situation));
-        found->paid = later->paid;
+        found->exceptions_only = later->exceptions_only;
       }
       const std::size_t bytes = found ? sizeOf(*found) : sizeof found;
       next = cache_->situations.keep(key, std::move(found), bytes);
@@ -138,8 +138,7 @@ bool CachedReasoner::advance(Present& present, const std::vector<Record>& record
     if (!*next)
       return false;
     become(present, {next, &**next});
-    const std::optional<int>& paid = (*next)->paid;
-    present.paid = present.paid && paid ? std::optional<int>(*present.paid + *paid) : std::nullopt;
+    present.exceptions_only = present.exceptions_only && (*next)->exceptions_only;
     ++present.step;
   }
 }
@@ -208,25 +207,22 @@ std::optional<Answer> CachedReasoner::answerAt(const std::string& literal, int s
   return situations_->entails(*values, literals_.of(literal));
 }
 
-std::optional<int> CachedReasoner::numExceptions()
+bool CachedReasoner::assumesExceptionsOnly()
 {
-  if (!present_ || !present_->paid || !situations_->exceptionsCostOne())
-    return std::nullopt;
+  if (!present_ || !present_->exceptions_only)
+    return false;
   const KnownSituation& situation = *present_->situation;
-  auto known = cache_->exceptions.find(situation.key);
-  if (!known)
-  {
-    const auto price = situations_->priceOfExceptions(situation.renamed.situation);
-    known = cache_->exceptions.keep(situation.key, price, sizeof price);
-  }
-  return *known ? std::optional<int>(*present_->paid + **known) : std::nullopt;
+  if (const auto known = cache_->exceptions.find(situation.key))
+    return *known;
+  const bool explain = situations_->exceptionsExplain(situation.renamed.situation);
+  return *cache_->exceptions.keep(situation.key, explain, sizeof explain);
 }
 
 bool CachedReasoner::restsOnDefault(const std::string& literal, int step)
 {
   // Where exceptions are all that may be assumed, what is not so with any number of them is so for
   // the sake of a default. Else records alone may suffice.
-  if (valuesAt(step) != nullptr && numExceptions())
+  if (valuesAt(step) != nullptr && assumesExceptionsOnly())
   {
     const auto& at_any_price = *valuesOf(*present_->situation, Price::kAny);
     const auto there = literals_.of(present_->renaming.ofText(literal));

@@ -370,10 +370,11 @@ Support MissionDriver::findSupport(const std::string& literal, int step)
   if (!interest_.narration && reasoner_.restsOnDefault(literal, step))
     return {config_.default_probability, "default"};
   const reasoner::Explanation why = reasoner_.explain(literal, step);
-  if (!why.defaults.empty())
+  const std::string by_default = reasoner::defaultBehind(why);
+  if (!by_default.empty())
   {
-    expected_by_default_[literal] = why.defaults.front();
-    return {config_.default_probability, "default " + why.defaults.front()};
+    expected_by_default_[literal] = by_default;
+    return {config_.default_probability, "default " + by_default};
   }
   double probability = 1.0;
   for (const auto& record : knowledge_.history)

@@ -188,13 +188,6 @@ double MissionDriver::surpriseWithout(const std::vector<std::size_t>& records)
       rest.push_back(knowledge_.history[i]);
   }
   reasoner_.suppose(rest);
-  if (const auto exceptions = reasoner_.numExceptions())
-  {
-    double sum = 0.0;  // bit by bit as below
-    for (int i = 0; i < *exceptions; ++i)
-      sum += logOdds(config_.default_probability);
-    return sum;
-  }
   const reasoner::Diagnosis diagnosis = reasoner_.minimalExplanations();
   if (!diagnosis.consistent)
     return std::numeric_limits<double>::infinity();

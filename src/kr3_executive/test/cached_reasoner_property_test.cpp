@@ -239,20 +239,6 @@ std::vector<std::string> answersOf(HighLevelReasoner& reasoner, int now)
   return answers;
 }
 
-/// The numbers of exceptions in minimal explanations; -1: one of something else.
-std::set<int> exceptionsIn(HighLevelReasoner& reasoner)
-{
-  std::set<int> numbers;
-  for (const auto& explanation : reasoner.minimalExplanations().explanations)
-  {
-    const bool alone = std::all_of(explanation.begin(), explanation.end(), [](const auto& text) {
-      return text.substr(0, text.find('(')) == "init";
-    });
-    numbers.insert(alone ? static_cast<int>(explanation.size()) : -1);
-  }
-  return numbers;
-}
-
 class CachedReasonerLaw : public ::testing::TestWithParam<bool>
 {
 };
@@ -267,7 +253,6 @@ TEST_P(CachedReasonerLaw, AnswersAreThoseWithoutACacheWhateverWasAskedBefore)
   auto cache = std::make_shared<ReasonerCache>();
   CachedReasoner cached(description, options, cache);
   std::size_t retracting = 0;
-  std::size_t counted = 0;
   for (std::uint64_t seed = first; seed < first + cases && !HasFailure(); ++seed)
   {
     Drawing drawing(seed);
@@ -292,18 +277,12 @@ TEST_P(CachedReasonerLaw, AnswersAreThoseWithoutACacheWhateverWasAskedBefore)
       tell(cached, drawn);
       const auto expected = answersOf(plain, now);
       EXPECT_EQ(answersOf(cached, now), expected);
-      if (const auto exceptions = cached.numExceptions())
-      {
-        ++counted;
-        EXPECT_EQ(exceptionsIn(plain), std::set<int>{*exceptions});
-      }
       retracting += expected[1].find("wrong") != std::string::npos ? 1 : 0;
     }
   }
-  std::cout << retracting << " histories explained by a wrong record, " << counted
-            << " by exceptions alone\n";
-  EXPECT_GT(counted, cases / 2);
+  std::cout << retracting << " histories explained by a wrong record\n";
   EXPECT_GT(cache->values_at_any_price.stats().misses, 0U);  // asked what may be given up
+  EXPECT_GT(cache->exceptions.stats().misses, 0U);  // and whether a default is behind something
 }
 
 INSTANTIATE_TEST_SUITE_P(Floors, CachedReasonerLaw, ::testing::Bool(),

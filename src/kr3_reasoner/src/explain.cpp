@@ -61,7 +61,34 @@ void collectSentences(const Reason& reason, std::vector<std::string>& sentences)
   }
 }
 
+/// The first of the proof, in pre-order; nullptr when there is none.
+const Reason* firstDefault(const Reason& proof)
+{
+  if (proof.kind == ReasonKind::kDefault)
+  {
+    return &proof;
+  }
+  for (const Reason& child : proof.children)
+  {
+    if (const Reason* found = firstDefault(child))
+    {
+      return found;
+    }
+  }
+  return nullptr;
+}
+
 }  // namespace
+
+std::string defaultBehind(const Explanation& explanation)
+{
+  if (explanation.defaults.empty())
+  {
+    return {};
+  }
+  const Reason* applied = firstDefault(explanation.proof);
+  return applied == nullptr ? explanation.defaults.front() : applied->default_name;
+}
 
 std::vector<std::string> Explainer::sentencesOf(const Reason& reason)
 {

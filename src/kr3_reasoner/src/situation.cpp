@@ -235,7 +235,7 @@ std::optional<Situations::Later> Situations::next(const Situation& situation)
       return std::nullopt;
     }
     return Later{Situation(settledBeginning(*progressed.beginning), {}),
-                 paidForExceptions(progressed.beginning->level({}))};
+                 differsInExceptionsOnly(progressed.beginning->level({}))};
   }
   catch (const FailedPrecondition&)
   {
@@ -253,22 +253,12 @@ std::optional<Situations::PossibleValues> Situations::valuesAtAnyPrice(const Sit
   return impl_->valuesOf(situation.beginning_, situation.records_, true);
 }
 
-std::optional<int> Situations::priceOfExceptions(const Situation& situation)
+bool Situations::exceptionsExplain(const Situation& situation)
 {
   const DomainKnowledge::Question question(impl_->knowledge, {}, "diagnosis");
   const auto optimum = impl_->optimum(impl_->knowledge.program().beginningAt(situation.beginning_),
                                       impl_->checked(situation.records_));
-  if (!optimum || optimum->assumable.exogenous)
-  {
-    return std::nullopt;
-  }
-  return optimum->price.total().assumptions;
-}
-
-bool Situations::exceptionsCostOne() const
-{
-  const ReasonerOptions& options = impl_->knowledge.options();
-  return options.exception_weight == 1 && options.default_weights.empty();
+  return optimum && !optimum->assumable.exogenous;
 }
 
 std::vector<std::size_t> Situations::contraryTo(const std::vector<Record>& records,

@@ -407,15 +407,10 @@ std::shared_ptr<const Beginning> renamedBeginning(const std::shared_ptr<const Be
   return result;
 }
 
-std::optional<int> paidForExceptions(const BeginningLevel& level)
+bool differsInExceptionsOnly(const BeginningLevel& level)
 {
-  if (!level.consistent)
-  {
-    return std::nullopt;
-  }
-  int paid = 0;
-  for (const BeginningComponent& component : level.components)
-  {
+  return level.consistent && std::all_of(level.components.begin(), level.components.end(),
+                                         [](const BeginningComponent& component) {
     std::set<int> for_failures;
     for (const BeginningRow& row : component.rows)
     {
@@ -428,13 +423,8 @@ std::optional<int> paidForExceptions(const BeginningLevel& level)
         }));
       }
     }
-    if (for_failures.size() > 1)
-    {
-      return std::nullopt;
-    }
-    paid += leastPrice(component) - *for_failures.begin();
-  }
-  return paid;
+    return for_failures.size() <= 1;
+         });
 }
 
 std::shared_ptr<const Beginning> settledBeginning(const Beginning& beginning)

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,9 +39,9 @@ using Said = std::vector<std::vector<std::string>>;
 /// @pre no level takes records to be wrong
 [[nodiscard]] std::shared_ptr<const Beginning> settledBeginning(const Beginning& beginning);
 
-/// What all rows had to pay there for exceptions to defaults, which a settled level leaves out.
-/// Nothing where it depends on the row, or on the explanation, what was paid for anything else.
+/// Whether its rows and explanations assume the same failures of actions, if any, so that what
+/// tells them apart is exceptions to defaults. False for an inconsistent level.
 /// @pre no exogenous actions, and no records that are wrong
-[[nodiscard]] std::optional<int> paidForExceptions(const BeginningLevel& level);
+[[nodiscard]] bool differsInExceptionsOnly(const BeginningLevel& level);
 
 }  // namespace kr3::reasoner

@@ -303,6 +303,7 @@ TEST(Explain, SaysByWhichDefaultAndFromWhichObservation)
   const Reason& exception = by_default.children[0];
   EXPECT_EQ(exception.kind, ReasonKind::kException);
   EXPECT_EQ(exception.default_name, "d1(tb1)");
+  EXPECT_EQ(defaultBehind(explanation), "d2(tb1)");
   std::set<std::size_t> because;
   collectRecords(exception, because);
   EXPECT_EQ(because, std::set<std::size_t>{1});
@@ -394,6 +395,7 @@ TEST(Explain, ProvesWhatManyOtherCasesDoNotTouch)
   reasoner.setHistory(parseHistory(history, "history", reasoner.description()));
   ASSERT_EQ(reasoner.diagnose().explanations.size(), 64U);
   EXPECT_EQ(reasoner.explain("warm", 1).defaults, std::vector<std::string>{"w"});
+  EXPECT_EQ(defaultBehind(reasoner.explain("warm", 1)), "w");
   for (const char* const literal : {"warm", "loud(m3)"})
   {
     expectMinimalAndSufficient(reasoner, {}, literal, 1, "");

@@ -22,7 +22,7 @@ struct KnownSituation
 {
   reasoner::RenamedSituation renamed;
   Fingerprint key;
-  std::optional<int> paid = 0;  ///< Situations::Later::paid of the step to it
+  bool exceptions_only = true;  ///< Situations::Later::exceptions_only of the step to it
 };
 
 /// Answers about histories, for reasoners of several threads. Thread-safe.
@@ -40,7 +40,7 @@ struct ReasonerCache
   ContentCache<KnownSituation> named;                      ///< with more records, or for a goal
   ContentCache<std::optional<reasoner::Situations::PossibleValues>> values;
   ContentCache<std::optional<reasoner::Situations::PossibleValues>> values_at_any_price;
-  ContentCache<std::optional<int>> exceptions;  ///< their price
+  ContentCache<bool> exceptions;  ///< whether they explain it
   ContentCache<reasoner::PlanResult> situation_plans;
 };
 
@@ -91,7 +91,6 @@ public:
   reasoner::Diagnosis diagnose() override;
   reasoner::Diagnosis minimalExplanations() override;
   bool isConsistent() override;
-  std::optional<int> numExceptions() override;
   reasoner::Answer entails(const std::string& literal, int step) override;
   bool possible(const std::string& literal, int step) override;
   std::vector<std::string> entailedAt(int step) override;
@@ -136,7 +135,7 @@ private:
     std::shared_ptr<const KnownSituation> situation;
     reasoner::Renaming renaming;  ///< from the history's names
     int step = 0;
-    std::optional<int> paid = 0;  ///< for exceptions to defaults before this step
+    bool exceptions_only = true;  ///< nothing else was assumed before this step
     /// By the situation's names, and by the history's; found when they are first needed.
     std::shared_ptr<const reasoner::Situations::PossibleValues> values_there = {};
     std::optional<reasoner::Situations::PossibleValues> values = {};
@@ -169,6 +168,8 @@ private:
   /// The values at a step, when the situation is followed and that is the current step.
   [[nodiscard]] const reasoner::Situations::PossibleValues* valuesAt(int step);
   [[nodiscard]] std::optional<reasoner::Answer> answerAt(const std::string& literal, int step);
+  /// Whether the situation is followed, and all that is assumed is exceptions to defaults.
+  [[nodiscard]] bool assumesExceptionsOnly();
   /// retractions() for a literal that is false at the current step: what contradicts it there, when
   /// giving that up is all that it takes. Nothing where the situation does not tell.
   [[nodiscard]] std::optional<std::vector<reasoner::Retraction>> situationRetractions(

@@ -50,9 +50,6 @@ public:
   [[nodiscard]] virtual reasoner::Diagnosis minimalExplanations() { return diagnose(); }
   /// Diagnosis::consistent alone.
   [[nodiscard]] virtual bool isConsistent() { return minimalExplanations().consistent; }
-  /// How many exceptions to defaults each minimal explanation consists of, when all consist of
-  /// nothing else; nothing when they do not, or where it takes a diagnosis to know.
-  [[nodiscard]] virtual std::optional<int> numExceptions() { return std::nullopt; }
   [[nodiscard]] virtual reasoner::Answer entails(const std::string& literal, int step) = 0;
   [[nodiscard]] virtual bool possible(const std::string& literal, int step) = 0;
   /// Entailed literals in the language, such as "loc(rob1) = office".

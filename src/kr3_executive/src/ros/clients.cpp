@@ -232,6 +232,7 @@ reasoner::Explanation RosReasoner::explain(const std::string& literal, int step)
   explanation.record_indices.assign(service.response.record_indices.begin(),
                                     service.response.record_indices.end());
   explanation.defaults = service.response.defaults;
+  explanation.proof = fromMsg(service.response.proof);
   return explanation;
 }
 

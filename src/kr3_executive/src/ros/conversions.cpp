@@ -1,5 +1,6 @@
 #include "conversions.hpp"
 
+#include <algorithm>
 #include <map>
 
 #include <kr3_common/error.hpp>
@@ -71,6 +72,26 @@ reasoner::Plan fromMsg(const kr3_msgs::HighLevelPlan& message)
   for (const auto& step : message.steps)
     plan.steps.push_back(step.actions);
   return plan;
+}
+
+reasoner::Reason fromMsg(const std::vector<kr3_msgs::Reason>& proof)
+{
+  reasoner::Reason root;
+  std::vector<reasoner::Reason*> above;  // from the root to the node before
+  for (const auto& message : proof)
+  {
+    above.resize(std::min<std::size_t>(message.depth, above.size()));
+    reasoner::Reason& reason = above.empty() ? root : above.back()->children.emplace_back();
+    reason.kind = static_cast<reasoner::ReasonKind>(message.kind);
+    reason.statement = message.statement;
+    reason.step = static_cast<int>(message.step);
+    reason.record =
+        message.record < 0 ? reasoner::kNoRecord : static_cast<std::size_t>(message.record);
+    reason.default_name = message.default_name;
+    reason.sentence = message.sentence;
+    above.push_back(&reason);
+  }
+  return root;
 }
 
 MissionEvent toMsg(const ReportedEvent& event)

@@ -9,6 +9,7 @@
 #include <kr3_msgs/MissionEvent.h>
 #include <kr3_msgs/MissionInput.h>
 #include <kr3_msgs/MissionState.h>
+#include <kr3_msgs/Reason.h>
 #include <kr3_msgs/Status.h>
 #include <kr3_refinement/component_map.hpp>
 
@@ -24,6 +25,9 @@ namespace kr3::executive
 
 [[nodiscard]] kr3_msgs::HighLevelPlan toMsg(const reasoner::Plan& plan, int first_step);
 [[nodiscard]] reasoner::Plan fromMsg(const kr3_msgs::HighLevelPlan& message);
+
+/// A proof, whose nodes come in pre-order.
+[[nodiscard]] reasoner::Reason fromMsg(const std::vector<kr3_msgs::Reason>& proof);
 
 [[nodiscard]] kr3_msgs::MissionEvent toMsg(const ReportedEvent& event);
 [[nodiscard]] kr3_msgs::MissionState toMsg(const Snapshot& snapshot);

@@ -92,6 +92,10 @@ struct Explanation
   Reason proof;                             ///< meaningful when entailed
 };
 
+/// The ground default whose head is the first in the proof; where no proof has one, the first that
+/// is cited; empty when the literal rests on none.
+[[nodiscard]] std::string defaultBehind(const Explanation& explanation);
+
 /// What is open about a literal, and what would settle it.
 struct OpenQuestion
 {

@@ -89,21 +89,18 @@ public:
   struct Later
   {
     Situation situation;
-    /// What each combination had to pay for exceptions to defaults besides what it pays above the
-    /// cheapest one. Nothing where something else was assumed, but the same failures by all.
-    std::optional<int> paid;
+    /// Whether nothing but exceptions to defaults was assumed on the way, and the same failures by
+    /// all combinations.
+    bool exceptions_only = true;
   };
 
   /// One step later, when the actions among its records have occurred. Nothing when a record would
   /// have to be taken to be wrong, or when there are too many combinations of values to keep.
   [[nodiscard]] std::optional<Later> next(const Situation& situation);
 
-  /// The least price of exceptions to defaults that explain the situation alone, besides what
-  /// Later::paid says; nothing when they do not.
-  [[nodiscard]] std::optional<int> priceOfExceptions(const Situation& situation);
-
-  /// Whether each exception costs one, so that a price is their number.
-  [[nodiscard]] bool exceptionsCostOne() const;
+  /// Whether a minimal explanation of the situation does without exogenous actions and wrong
+  /// records.
+  [[nodiscard]] bool exceptionsExplain(const Situation& situation);
 
   /// The values that each ground fluent takes in some model, in the order of its sort; shape
   /// [fluents], in the order of declaration. Nothing when a record would have to be taken to be
