@@ -43,13 +43,13 @@ class Defaults:
     labels: Mapping[str, Callable[[str], Any]] = {"method": str, "rooms": int, "share": float}
 
     def points(self, options: Options) -> List[Point]:
-        """Sizes at the headline share, then shares at one size."""
+        """Sizes at the headline share, and shares at one size; small floors first."""
         sizes = _QUICK_ROOMS if options.quick else _ROOMS
         shares = _QUICK_SHARES if options.quick else _SHARES
         places = _QUICK_ROOMS[-1] if options.quick else _SHARE_ROOMS
         settings = [(rooms, _HEADLINE) for rooms in sizes]
         settings += [(places, share) for share in shares if (places, share) not in settings]
-        return _points(options, settings)
+        return _points(options, sorted(settings))
 
     @staticmethod
     def headline(options: Options, sizes: Sequence[int]) -> List[Point]:
