@@ -4,6 +4,7 @@ import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
+from random import Random
 from typing import Any, Dict, List
 
 import pytest
@@ -16,6 +17,7 @@ from kr3_experiments.experiment.accuracy import Accuracy
 from kr3_experiments.experiment.default_bias import DefaultBias
 from kr3_experiments.experiment.defaults import Defaults
 from kr3_experiments.experiment.definition import Options, Table, plot, save_figures
+from kr3_experiments.experiment.learning import Learning
 from kr3_experiments.experiment.planning_time import PlanningTime
 from kr3_experiments.experiment.points import TargetRule, configurations
 from kr3_experiments.experiment.report import table_text, write_report
@@ -132,6 +134,23 @@ def test_sweeps_that_have_hardly_begun_state_nothing(trials: int) -> None:
     assert Defaults().findings(rows, QUICK).statements == []
     flat_only = [row for row in accuracy_rows(flat_succeeds=True) if row["method"] != "pa"]
     assert Accuracy().findings(flat_only, QUICK).statements == []
+
+
+@pytest.mark.parametrize("experiment", [Accuracy(), Defaults(), DefaultBias(), Learning()])
+def test_a_sweep_may_be_interrupted_anywhere(experiment: Any) -> None:
+    points = experiment.points(Options(trials=2))
+    random = Random(1)
+    for kept in (0.02, 0.1, 0.3, 0.6, 0.9):
+        for trials in (0.5, 1.0):
+            rows = [
+                outcome(seed, random.random() < 0.9, **point.label)
+                for point in points
+                if random.random() < kept
+                for seed in range(*point.seeds)
+                if random.random() < trials
+            ]
+            if rows:
+                experiment.findings(rows, Options(trials=2))
 
 
 def robot_rows() -> List[Dict[str, Any]]:

@@ -278,7 +278,7 @@ class Accuracy:
         cells = max(row["cells"] for row in flat)
         pa = by_seed(select(rows, method="pa", cells=cells))
         best = max(
-            sorted({row["seconds"] for row in flat}),
+            sorted({row["seconds"] for row in flat if row["cells"] == cells}),
             key=lambda seconds: success_of(select(flat, cells=cells, seconds=seconds)).value,
         )
         other = by_seed(select(flat, cells=cells, seconds=best))
