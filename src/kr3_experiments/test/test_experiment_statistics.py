@@ -3,7 +3,7 @@ import math
 
 import pytest
 
-from kr3_experiments.experiment.statistics import mcnemar_p, mean, paired, share
+from kr3_experiments.experiment.statistics import mcnemar_p, mean, p_text, paired, share
 
 
 def test_wilson_interval_of_a_textbook_example() -> None:
@@ -56,3 +56,8 @@ def test_mcnemar_counts_disagreements_only() -> None:
     agree = [True] * 100
     assert mcnemar_p(agree + [True] * 6, agree + [False] * 6) == pytest.approx(2 / 2**6)
     assert mcnemar_p(agree, agree) == 1.0
+
+
+def test_a_p_value_is_never_told_to_be_nothing() -> None:
+    assert p_text(0.00234) == "p = 0.0023"
+    assert p_text(0.0) == "p < 1e-300"

@@ -11,6 +11,7 @@ from kr3_experiments.experiment.definition import (
     Options,
     Table,
     by_seed,
+    mean_of,
     outcome_cells,
     plot,
     select,
@@ -19,7 +20,7 @@ from kr3_experiments.experiment.definition import (
 )
 from kr3_experiments.experiment.points import Floor, Point, TargetRule
 from kr3_experiments.experiment.rows import Row
-from kr3_experiments.experiment.statistics import mcnemar_p, paired
+from kr3_experiments.experiment.statistics import Estimate, mcnemar_p, p_text, paired
 
 _CELLS = 4  # a room
 _ROOMS = [2, 4, 6, 9, 16, 25, 36, 64, 100]
@@ -174,7 +175,7 @@ class Accuracy:
         )
 
     def findings(self, rows: Sequence[Row], options: Options) -> Findings:
-        """Success by cells and by budget, for each noise; PA against the best POMDP-1 at the largest floor of both."""
+        """Success and time by cells, success by budget; PA against the best POMDP-1 at the largest floor of both."""
         found = Findings()
         differs = False  # from the paper
         for noise in sorted({row["noise"] for row in rows}):
@@ -184,15 +185,25 @@ class Accuracy:
                 for method, seconds in sorted({(row["method"], row["seconds"]) for row in here})
             ]
             found.figures[f"accuracy_noise_{noise:g}"] = plot(
-                [self._curve(here, kind) for kind in kinds],
-                "cells",
+                [self._curve(here, kind, success_of) for kind in kinds],
+                f"cells (noise {noise:g})",
                 "share of successful missions",
                 log_x=True,
+            )
+            found.figures[f"accuracy_time_noise_{noise:g}"] = plot(
+                [self._curve(here, kind, _time_of) for kind in kinds],
+                f"cells (noise {noise:g})",
+                "time of a mission, s",
+                log_x=True,
+                log_y=True,
             )
             by_budget = self._budget_curves(here)
             if any(len(curve.xs) > 1 for curve in by_budget):
                 found.figures[f"accuracy_budget_noise_{noise:g}"] = plot(
-                    by_budget, "CPU seconds of planning", "share of successful missions", log_x=True
+                    by_budget,
+                    f"CPU seconds of planning (noise {noise:g})",
+                    "share of successful missions",
+                    log_x=True,
                 )
             found.tables.append(self._table(here, noise, kinds))
             for method in _METHODS:
@@ -207,10 +218,12 @@ class Accuracy:
         return found
 
     @staticmethod
-    def _curve(rows: Sequence[Row], kind: _Kind) -> Curve:
+    def _curve(
+        rows: Sequence[Row], kind: _Kind, value_of: Callable[[Sequence[Row]], Estimate]
+    ) -> Curve:
         mine = kind.of(rows)
         cells = sorted({row["cells"] for row in mine})
-        return Curve(kind.name, cells, [success_of(select(mine, cells=count)) for count in cells])
+        return Curve(kind.name, cells, [value_of(select(mine, cells=count)) for count in cells])
 
     @staticmethod
     def _budget_curves(rows: Sequence[Row]) -> List[Curve]:
@@ -302,8 +315,12 @@ class Accuracy:
             as_in_paper,
             f"Noise {noise:g}, {cells} cells: PA succeeds in {first.text(3)}, {METHOD_NAMES[method]} with its best"
             f" budget ({best:g} s) in {second.text(3)} of {len(seeds)} pairs: {verdict}"
-            f" (McNemar's exact test, p = {p_value:.2g}).{_times(pa, other, seeds)}",
+            f" (McNemar's exact test, {p_text(p_value)}).{_times(pa, other, seeds)}",
         )
+
+
+def _time_of(rows: Sequence[Row]) -> Estimate:
+    return mean_of(rows, "duration_s")
 
 
 def _times(pa: Mapping[int, Row], other: Mapping[int, Row], seeds: Sequence[int]) -> str:

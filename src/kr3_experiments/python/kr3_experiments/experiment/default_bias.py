@@ -16,7 +16,7 @@ from kr3_experiments.experiment.definition import (
 )
 from kr3_experiments.experiment.points import Floor, Point, TargetRule
 from kr3_experiments.experiment.rows import Row
-from kr3_experiments.experiment.statistics import paired
+from kr3_experiments.experiment.statistics import p_text, paired
 
 _USUAL = "r2"
 _ROOMS = 4
@@ -147,7 +147,7 @@ class DefaultBias:
         return [
             f"{target.capitalize()} targets: POMDP-2 is fastest at p = {best:g} and slowest at p = {worst:g}, by"
             f" {spread.ratio.text()}: it {depends}. PA takes {result.ratio.text()} times as long as POMDP-2 at its best"
-            f" p (paired t-test p = {result.t_p:.2g}, {result.pairs} pairs).",
+            f" p (paired t-test {p_text(result.t_p)}, {result.pairs} pairs).",
             f"{target.capitalize()} targets: POMDP-2 succeeds in {successes[lowest].text(3)} at p = {lowest:g} and in"
             f" {successes[highest].text(3)} at p = {highest:g}, PA in {success_of(list(pa.values())).text(3)}.",
         ]

@@ -15,7 +15,7 @@ from kr3_experiments.experiment.definition import (
 )
 from kr3_experiments.experiment.points import Floor, Point, TargetRule
 from kr3_experiments.experiment.rows import Row
-from kr3_experiments.experiment.statistics import paired
+from kr3_experiments.experiment.statistics import p_text, paired
 
 _USUAL = "r2"  # where the first default of a floor says that objects are
 _HEADLINE = 0.8
@@ -63,8 +63,13 @@ class Defaults:
         places = _QUICK_ROOMS[-1] if options.quick else _SHARE_ROOMS
         one_size = select(rows, rooms=places)
         for name, group, key, label in (
-            ("rooms", headline, "rooms", "rooms"),
-            ("share", one_size, "share", "share q of objects that obey their default"),
+            ("rooms", headline, "rooms", f"rooms (q = {_HEADLINE:g})"),
+            (
+                "share",
+                one_size,
+                "share",
+                f"share q of objects that obey their default ({places} rooms)",
+            ),
         ):
             for column, text in (
                 ("hl_actions", "high-level actions"),
@@ -139,7 +144,7 @@ class Defaults:
         )
         return [
             f"{rooms} rooms, q = {_HEADLINE:g}: PA takes {result.ratio.text()} times the high-level actions of PA*"
-            f" over {result.pairs} pairs (Wilcoxon p = {result.wilcoxon_p:.2g}): {verdict}."
+            f" over {result.pairs} pairs (Wilcoxon {p_text(result.wilcoxon_p)}): {verdict}."
         ]
 
 

@@ -32,7 +32,7 @@ from kr3_experiments.experiment.definition import (
     share,
 )
 from kr3_experiments.experiment.rows import Row, RowStore, truth_cell
-from kr3_experiments.experiment.statistics import Paired, mcnemar_p, paired
+from kr3_experiments.experiment.statistics import Paired, mcnemar_p, p_text, paired
 from kr3_experiments.experiment.sweep import commit
 from kr3_experiments.stack_file import load_stack
 from kr3_experiments.variant import furnished_places
@@ -275,8 +275,8 @@ def _compare(rows: Sequence[Row], first: str, second: str) -> Optional[str]:
     success_p = mcnemar_p([row["success"] for row in ones], [row["success"] for row in others])
     words = (
         f"{_name(first)} takes {result.ratio.text()} times as long as {_name(second)} over {result.pairs} pairs"
-        f" (paired t-test p = {result.t_p:.2g}, Wilcoxon p = {result.wilcoxon_p:.2g}; success by McNemar p ="
-        f" {success_p:.2g})."
+        f" (paired t-test {p_text(result.t_p)}, Wilcoxon {p_text(result.wilcoxon_p)}; success by"
+        f" McNemar {p_text(success_p)})."
     )
     both = [row["success"] and other["success"] for row, other in zip(ones, others)]
     if all(both) or sum(both) < 2:

@@ -9,6 +9,7 @@ from scipy import stats
 
 _LEVEL = 0.95
 _RESAMPLES = 2000
+_LEAST_P = 1e-300
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,11 @@ def _wilcoxon_p(a: np.ndarray, b: np.ndarray) -> float:
             "ignore", UserWarning
         )  # about few pairs and ties: the report says how many pairs
         return float(stats.wilcoxon(a, b, zero_method="pratt").pvalue)
+
+
+def p_text(p_value: float) -> str:
+    """ "p = 0.0023"; what is too small to be represented is told so."""
+    return f"p = {p_value:.2g}" if p_value >= _LEAST_P else f"p < {_LEAST_P:g}"
 
 
 def mcnemar_p(first: Sequence[bool], second: Sequence[bool]) -> float:
