@@ -26,6 +26,8 @@ struct Price
   int retractions = 0;
   int assumptions = 0;
 
+  void add(int price, bool is_retraction) { (is_retraction ? retractions : assumptions) += price; }
+
   [[nodiscard]] int sum() const { return retractions + assumptions; }
 };
 

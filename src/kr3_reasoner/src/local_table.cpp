@@ -36,7 +36,7 @@ struct Cheapest
     for (const std::size_t index : assumed)
     {
       const LocalProgram::Assumption& assumption = assumptions[index];
-      (assumption.is_retraction ? paid.retractions : paid.assumptions) += assumption.price;
+      paid.add(assumption.price, assumption.is_retraction);
     }
     const auto ranked = [](const Price& one) {
       return std::make_pair(one.retractions, one.assumptions);

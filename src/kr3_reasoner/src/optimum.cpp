@@ -210,7 +210,7 @@ std::optional<Optimum> minimalPrice(const HistoryProgram& program, const Records
     if (std::binary_search(optimum.explanation.begin(), optimum.explanation.end(), assumption.what))
     {
       Price& part = optimum.price.parts[optimum.price.partOf(assumption.what)];
-      (assumption.is_retraction ? part.retractions : part.assumptions) += assumption.price;
+      part.add(assumption.price, assumption.is_retraction);
     }
   }
   {

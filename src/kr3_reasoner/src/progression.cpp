@@ -48,15 +48,11 @@ class Progression::Level
 {
 public:
   Level(const HistoryProgram& program, const Records& records, int step, const Assumable& assumable)
-    : limit_(program.limit()), solver_({"--warn=none"})
+    : limit_(program.limit())
   {
-    recorder_.recordInto(ground_);
-    solver_.control().register_observer(recorder_, true);
-    {
-      RuleSink sink(solver_.control(), &components_);
-      history_ = std::make_unique<UnrolledHistory>(program, records, step,
-                                                   UnrolledHistory::Mode{assumable}, sink);
-    }
+    RuleSink sink(ground_, &components_);
+    history_ = std::make_unique<UnrolledHistory>(program, records, step,
+                                                 UnrolledHistory::Mode{assumable}, sink);
     distribute(step);
   }
 
@@ -320,9 +316,7 @@ private:
   }
 
   SearchLimit limit_;
-  Solver solver_;
   GroundProgram ground_;
-  GroundProgramRecorder recorder_;
   AtomComponents components_;
   std::unique_ptr<UnrolledHistory> history_;
   bool consistent_ = true;

@@ -10,9 +10,10 @@ namespace kr3::reasoner
 namespace
 {
 
-Clingo::LiteralSpan span(const RuleSink::Body& body)
+template <typename Item>
+GroundProgram::Range<Item> rangeOf(const std::vector<Item>& items)
 {
-  return {body.data(), body.size()};
+  return {items.data(), items.data() + items.size()};
 }
 
 }  // namespace
@@ -24,6 +25,18 @@ Clingo::Backend* RuleSink::backend()
     backend_.emplace(solver_->control().backend());
   }
   return backend_ ? &*backend_ : nullptr;
+}
+
+void RuleSink::write(bool choice, GroundProgram::Range<Clingo::atom_t> head, const Body& body)
+{
+  if (Clingo::Backend* const to = backend())
+  {
+    to->rule(choice, {head.first, head.size()}, {body.data(), body.size()});
+  }
+  else if (program_ != nullptr)
+  {
+    program_->addRule(choice, head, rangeOf(body));
+  }
 }
 
 SolverLiteral RuleSink::newAtom()
@@ -56,10 +69,7 @@ void RuleSink::rule(bool choice, SolverLiteral head, Body body)
   if (simplify(body))
   {
     const auto atom = static_cast<Clingo::atom_t>(head);
-    if (Clingo::Backend* const to = backend())
-    {
-      to->rule(choice, {&atom, 1}, span(body));
-    }
+    write(choice, {&atom, &atom + 1}, body);
     ++num_rules_;
     if (components_ != nullptr && choice)
     {
@@ -77,10 +87,7 @@ void RuleSink::constraint(Body body)
 {
   if (simplify(body))
   {
-    if (Clingo::Backend* const to = backend())
-    {
-      to->rule(false, {}, span(body));
-    }
+    write(false, {nullptr, nullptr}, body);
     num_contradictions_ += body.empty() ? 1 : 0;
     note(body);
   }
@@ -138,6 +145,15 @@ void RuleSink::weightRule(bool choice, const std::vector<Clingo::atom_t>& head, 
   {
     to->weight_rule(choice, {head.data(), head.size()}, bound, {body.data(), body.size()});
   }
+  else if (program_ != nullptr)
+  {
+    std::vector<GroundProgram::BodyLiteral> sum;
+    for (const Clingo::WeightedLiteral& weighted : body)
+    {
+      sum.push_back({weighted.literal(), weighted.weight()});
+    }
+    program_->addWeightRule(choice, rangeOf(head), bound, rangeOf(sum));
+  }
   Body literals(head.begin(), head.end());
   for (const Clingo::WeightedLiteral& weighted : body)
   {
@@ -149,10 +165,7 @@ void RuleSink::weightRule(bool choice, const std::vector<Clingo::atom_t>& head, 
 void RuleSink::disjunctiveRule(const Body& heads, const Body& body)
 {
   const std::vector<Clingo::atom_t> atoms(heads.begin(), heads.end());
-  if (Clingo::Backend* const to = backend())
-  {
-    to->rule(false, {atoms.data(), atoms.size()}, span(body));
-  }
+  write(false, rangeOf(atoms), body);
   Body literals = heads;
   literals.insert(literals.end(), body.begin(), body.end());
   note(literals);

@@ -8,6 +8,7 @@
 #include <clingo.hh>
 
 #include "atom_components.hpp"
+#include "ground_program.hpp"
 
 namespace kr3::reasoner
 {
@@ -24,8 +25,9 @@ constexpr SolverLiteral kFalseLiteral = -kTrueLiteral;
 
 class Solver;
 
-/// Writes ground rules into a clingo control; constants are simplified away. Open only between two
-/// solver calls, as the backend it writes to. Private to the package.
+/// Writes ground rules into a clingo control, or into a program that is kept; constants are
+/// simplified away. Open only between two solver calls, as the backend it writes to. Private to the
+/// package.
 class RuleSink
 {
 public:
@@ -40,6 +42,12 @@ public:
   /// The same; the solver's control is only made when something is written.
   explicit RuleSink(Solver& solver, AtomComponents* components = nullptr)
     : solver_(&solver), components_(components)
+  {
+  }
+
+  /// Into a program without rules so far, without a solver.
+  explicit RuleSink(GroundProgram& program, AtomComponents* components = nullptr)
+    : program_(&program), components_(components)
   {
   }
 
@@ -91,11 +99,14 @@ private:
   /// Drops what is true. @return false when something is false
   [[nodiscard]] static bool simplify(Body& body);
 
-  /// @return nullptr when rules are only counted
+  /// @return nullptr when nothing is written into a control
   [[nodiscard]] Clingo::Backend* backend();
+
+  void write(bool choice, GroundProgram::Range<Clingo::atom_t> head, const Body& body);
 
   Solver* solver_ = nullptr;
   std::optional<Clingo::Backend> backend_;
+  GroundProgram* program_ = nullptr;
   AtomComponents* components_ = nullptr;
   std::size_t num_atoms_ = 0;
   std::size_t num_rules_ = 0;

@@ -17,13 +17,13 @@ using PriceList = std::array<std::pair<int, int>, kNumAssumables>;
 
 std::pair<int, int> priceOf(const BeginningRow& row, const BeginningComponent& component)
 {
-  std::pair<int, int> price{0, 0};
+  Price price;
   for (const std::size_t i : row.explanations.front())
   {
     const CarriedAssumption& assumption = component.assumptions[i];
-    (assumption.is_retraction ? price.first : price.second) += assumption.price;
+    price.add(assumption.price, assumption.is_retraction);
   }
-  return price;
+  return {price.retractions, price.assumptions};
 }
 
 }  // namespace
