@@ -21,6 +21,7 @@ using reasoner::RecordKind;
 using reasoner::Retraction;
 
 constexpr double kMostCertain = 0.999;
+constexpr int kMostTimesGivenUp = 2;  // what is looked for is looked for three times
 
 /// obs(f = v, false, k) of a valued fluent: what a search in vain leaves behind.
 bool isRefutation(const Record& record)
@@ -163,17 +164,22 @@ std::vector<Retraction> MissionDriver::retractable()
   {
     for (const auto& [value, records] : openRefutations(fluent))
     {
-      if (given_up_.count(saying(fluent + " = " + value, false)) > 0)
-        continue;  // it was looked at again, in vain
+      const auto before = given_up_.find(saying(fluent + " = " + value, false));
+      if (before != given_up_.end() && before->second.times >= kMostTimesGivenUp)
+        continue;  // it was looked at again and again, in vain
+      const double given_up = before == given_up_.end() ? 0.0 : before->second.log_odds;
       std::string literal = fluent + " = " + value;
-      const auto more = reasoner_.retractions(literal, state_.step);
+      auto more = reasoner_.retractions(literal, state_.step);
+      // That it was looked for in vain before was true all the same.
+      for (auto& retraction : more)
+        retraction.log_odds += given_up;
       found.insert(found.end(), more.begin(), more.end());
       const bool doubtful = std::all_of(records.begin(), records.end(), [&](std::size_t index) {
         return knowledge_.history[index].confidence < 1.0;
       });
       // It is possible, by a change that nobody saw.
       if (more.empty() && doubtful)
-        found.push_back({records, logOddsOf(records), std::move(literal), {}});
+        found.push_back({records, logOddsOf(records) + given_up, std::move(literal), {}});
     }
   }
   return found;
@@ -263,9 +269,13 @@ Event MissionDriver::performReopen()
   auto& history = knowledge_.history;
   std::sort(indices.rbegin(), indices.rend());
   std::vector<Record> given_up;
+  std::set<std::string> counted;
   for (const std::size_t index : indices)
   {
-    given_up_.insert(saying(history.at(index).statement, history[index].value));
+    const std::string said = saying(history.at(index).statement, history[index].value);
+    GivenUp& so_far = given_up_[said];
+    so_far.times += counted.insert(said).second ? 1 : 0;
+    so_far.log_odds += logOddsOf({index});
     given_up.push_back(history[index]);
     history.erase(history.begin() + static_cast<std::ptrdiff_t>(index));
   }

@@ -187,7 +187,8 @@ json toJson(const LowLevelMemory& memory)
 {
   json item = json::object();
   for (const auto& [fluent, remembered] : memory)
-    item[fluent] = {{"values", remembered.values}, {"assumed", remembered.assumed}};
+    item[fluent] = {
+        {"values", remembered.values}, {"assumed", remembered.assumed}, {"odds", remembered.odds}};
   return item;
 }
 
@@ -196,7 +197,7 @@ LowLevelMemory memoryFromJson(const json& item)
   LowLevelMemory memory;
   for (const auto& [fluent, remembered] : item.items())
     memory[fluent] = {remembered.at("values").get<refinement::Distribution>(),
-                      remembered.at("assumed").get<std::string>()};
+                      remembered.at("assumed").get<std::string>(), remembered.value("odds", 1.0)};
   return memory;
 }
 

@@ -50,7 +50,8 @@ void writeKnowledge(const std::string& path, const Knowledge& knowledge,
   }
   json memory = json::object();
   for (const auto& [fluent, remembered] : knowledge.memory)
-    memory[fluent] = {{"values", remembered.values}, {"assumed", remembered.assumed}};
+    memory[fluent] = {
+        {"values", remembered.values}, {"assumed", remembered.assumed}, {"odds", remembered.odds}};
   json document = {{"version", kVersion}, {"history", history}, {"memory", memory}};
   if (mission)
   {
@@ -94,7 +95,7 @@ std::optional<Knowledge> readKnowledge(const std::string& path)
     for (const auto& [fluent, item] : document.at("memory").items())
     {
       knowledge.memory[fluent] = {item.at("values").get<refinement::Distribution>(),
-                                  item.at("assumed").get<std::string>()};
+                                  item.at("assumed").get<std::string>(), item.value("odds", 1.0)};
     }
     return knowledge;
   }

@@ -164,6 +164,17 @@ Distribution unknownValue()
   return {{kElsewhere, 1.0}};
 }
 
+Distribution weighed(const refinement::LowLevelDomain& domain, const RememberedFluent& remembered)
+{
+  Distribution values = remembered.values;
+  for (auto& [value, probability] : values)
+  {
+    if (value != kElsewhere && domain.coarse(value) == remembered.assumed)
+      probability *= remembered.odds;
+  }
+  return values;
+}
+
 std::vector<double> probabilitiesOf(const refinement::LowLevelDomain& domain,
                                     const LowLevelMemory& memory, const std::string& fluent,
                                     const std::vector<std::string>& values)
@@ -172,7 +183,7 @@ std::vector<double> probabilitiesOf(const refinement::LowLevelDomain& domain,
   const auto found = memory.find(fluent);
   if (found == memory.end())
     return result;
-  const Distribution& known = found->second.values;
+  const Distribution known = weighed(domain, found->second);
   const auto massOf = [&known](const std::string& value) {
     const auto entry = known.find(value);
     return entry == known.end() ? 0.0 : entry->second;
@@ -220,7 +231,10 @@ void forget(const refinement::LowLevelDomain& domain, LowLevelMemory& memory,
   for (auto& entry : found->second.values)
     entry.second /= kept;
   if (found->second.assumed == value)
+  {
     found->second.assumed.clear();
+    found->second.odds = 1.0;
+  }
 }
 
 }  // namespace kr3::executive

@@ -334,7 +334,7 @@ Distribution LowLevelTask::rememberedValues(const std::string& fluent, const Dis
   if (noticed != noticed_.end() && sawOutside(noticed->second))
     others = noticed->second;
   else if (remembered != memory.end())
-    others = remembered->second.values;
+    others = weighed(domain_, remembered->second);
   else
     others = anyOfTheLowLevel(domain_, fluent);
   double sum = 0.0;
@@ -353,7 +353,34 @@ Distribution LowLevelTask::rememberedValues(const std::string& fluent, const Dis
   return values;
 }
 
-void LowLevelTask::remember(LowLevelMemory& memory) const
+double LowLevelTask::oddsOf(const std::string& fluent, const std::string& value,
+                            const LowLevelMemory& memory)
+{
+  const auto known = odds_.find(fluent);
+  if (known != odds_.end())
+    return known->second;
+  double odds = 1.0;
+  const auto* declared = domain_.highLevel().findFluent(symbolOf(fluent));
+  if (declared != nullptr && declared->value_sort && coarseFluent(domain_, fluent) == fluent)
+  {
+    const auto& values = domain_.highLevel().findSort(*declared->value_sort)->elements;
+    const auto place = std::find(values.begin(), values.end(), value);
+    const double before =
+        place == values.end()
+            ? 0.0
+            : probabilitiesOf(domain_, memory, fluent,
+                              values)[static_cast<std::size_t>(place - values.begin())];
+    const auto begun = pomdp_->fineMarginal(pomdp_->model().initialBelief(), fluent);
+    const auto elsewhere = begun.find(kElsewhere);
+    const double outside = elsewhere == begun.end() ? 0.0 : elsewhere->second;
+    if (before > 0.0 && before < 1.0 && outside > 0.0 && outside < 1.0)
+      odds = std::min(before / (1.0 - before) * outside / (1.0 - outside), 1.0);
+  }
+  odds_[fluent] = odds;
+  return odds;
+}
+
+void LowLevelTask::remember(LowLevelMemory& memory)
 {
   for (const auto& fluent : pomdp_->fluents())
   {
@@ -362,12 +389,17 @@ void LowLevelTask::remember(LowLevelMemory& memory) const
       continue;
     const std::string most = firstOf(values);
     std::string assumed = most == kElsewhere ? std::string() : domain_.coarse(most);
+    double odds = 1.0;
     for (const auto& literal : pomdp_->zoom().start)
     {
-      if (assumed.empty() && reasoner::toString(literal.atom) == coarseFluent(domain_, fluent.name))
+      if (reasoner::toString(literal.atom) != coarseFluent(domain_, fluent.name))
+        continue;
+      if (assumed.empty())
         assumed = literal.value.name;
+      if (assumed == literal.value.name)
+        odds = oddsOf(fluent.name, assumed, memory);
     }
-    memory[fluent.name] = {rememberedValues(fluent.name, values, memory), std::move(assumed)};
+    memory[fluent.name] = {rememberedValues(fluent.name, values, memory), std::move(assumed), odds};
   }
   for (const auto& [fluent, values] : noticed_)
   {

@@ -7,7 +7,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -150,6 +149,12 @@ private:
   [[nodiscard]] std::string believedValue(const std::string& fluent) const;
   [[nodiscard]] std::optional<Event> interruption();
   [[nodiscard]] Event afterObservation(const LowLevelAction& action, bool explained);
+  /// What was taken back of one statement.
+  struct GivenUp
+  {
+    int times = 0;
+    double log_odds = 0.0;  ///< of the records that said so, in sum
+  };
   struct Believed
   {
     int step;
@@ -200,8 +205,8 @@ private:
   std::vector<reasoner::Literal> task_state_;  // s1 of the task
   std::vector<std::string> surprises_;         // texts, until the diagnosis
   std::vector<std::string> surprised_fluents_;
-  std::vector<std::string> exceptions_;  // the minimal explanation in force
-  std::set<std::string> given_up_;       // statements that were taken back in this mission
+  std::vector<std::string> exceptions_;      // the minimal explanation in force
+  std::map<std::string, GivenUp> given_up_;  // statements that were taken back in this mission
   /// What the history without some records had to assume when that was last looked at, by what the
   /// records say: about the least that it has to assume now, with more observed.
   std::map<std::string, double> surprises_without_;

@@ -25,6 +25,9 @@ struct RememberedFluent
   /// Over low-level values and refinement::kElsewhere, which stands for all values not listed.
   refinement::Distribution values;
   std::string assumed;  ///< the high-level value on which it rested
+  /// By how much `values` overstate the odds of `assumed`, in (0, 1]: the action began with more
+  /// belief in it than was remembered, for the sake of the plan.
+  double odds = 1.0;
 };
 /// The low level's memory between high-level actions, by ground fluent.
 using LowLevelMemory = std::map<std::string, RememberedFluent>;
@@ -78,6 +81,10 @@ private:
 
 /// Nothing is known of a fluent.
 [[nodiscard]] refinement::Distribution unknownValue();
+
+/// The remembered values with their odds as they were before the action; not normalised.
+[[nodiscard]] refinement::Distribution weighed(const refinement::LowLevelDomain& domain,
+                                               const RememberedFluent& remembered);
 
 /// How likely each of several values of a high-level fluent is, by what the low level remembers;
 /// values of which it remembers nothing share its `elsewhere` equally. Sums to 1.

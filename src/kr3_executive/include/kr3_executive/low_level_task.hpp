@@ -83,8 +83,8 @@ public:
   [[nodiscard]] std::optional<double> beliefIn(const std::string& coarse_fluent,
                                                const std::string& value) const;
 
-  /// Adds what this task believes to the memory.
-  void remember(LowLevelMemory& memory) const;
+  /// Adds what this task believes to the memory, which nobody else changes while the task lasts.
+  void remember(LowLevelMemory& memory);
 
 private:
   [[nodiscard]] std::size_t observationIndex(std::size_t action,
@@ -94,6 +94,9 @@ private:
   [[nodiscard]] refinement::Distribution rememberedValues(const std::string& fluent,
                                                           const refinement::Distribution& inside,
                                                           const LowLevelMemory& memory) const;
+  /// RememberedFluent::odds of a value with which the task began.
+  [[nodiscard]] double oddsOf(const std::string& fluent, const std::string& value,
+                              const LowLevelMemory& memory);
 
   const refinement::LowLevelDomain& domain_;
   std::shared_ptr<const refinement::PomdpTask> pomdp_;  // shared with a cache
@@ -104,6 +107,7 @@ private:
   std::map<std::string, std::string> observed_;
   std::map<std::string, std::string> observed_last_;
   std::map<std::string, refinement::Distribution> noticed_;
+  std::map<std::string, double> odds_;  // RememberedFluent::odds, by fluent
 };
 
 }  // namespace kr3::executive

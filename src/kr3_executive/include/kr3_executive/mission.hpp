@@ -40,8 +40,9 @@ struct Limits
   std::uint32_t max_hl_actions = 40;  ///< per mission
   std::uint32_t max_ll_actions = 60;  ///< per high-level action
   std::uint32_t max_attempts = 3;     ///< of one high-level action under one hypothesis
-  /// Refutations taken back per mission. The driver takes each value's back once only, as many as
-  /// there are; this bound is for those who want fewer, and ends any mission besides.
+  /// Refutations taken back per mission. The driver takes those of a value back twice at most, for
+  /// as many values as there are; this bound is for those who want fewer, and ends any mission
+  /// besides.
   std::uint32_t max_reopened = 1000;
   std::uint32_t max_rebuilds = 3;  ///< of the low-level task, per high-level action
   std::uint32_t max_detours = 2;   ///< longer ways taken where no shortest one is left
