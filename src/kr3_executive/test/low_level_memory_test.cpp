@@ -196,5 +196,29 @@ TEST_F(LowLevelBelief, HypothesesShareWhatTheMemoryLeavesOpen)
     EXPECT_NEAR(share, 1.0 / 3.0, 1e-12);
 }
 
+// Six places are alike; a task begins with even odds for one of them, for the sake of the plan.
+TEST_F(LowLevelBelief, WhatATaskBeganWithIsNoEvidence)
+{
+  const std::vector<std::string> places{"main_library", "kitchen",      "corridor",
+                                        "office",       "study_corner", "aux_library"};
+  LowLevelMemory memory;
+  const auto expectOdds = [&](double in_main_library) {
+    const auto shares = probabilitiesOf(*office_.domain, memory, "loc(tb1)", places);
+    EXPECT_NEAR(shares.front(), in_main_library / (in_main_library + 5.0), 1e-9);
+    for (std::size_t i = 1; i < places.size(); ++i)
+      EXPECT_NEAR(shares[i], 1.0 / (in_main_library + 5.0), 1e-9) << places[i];
+  };
+  LowLevelTask first = grasp();
+  first.remember(memory);
+  expectOdds(1.0);
+  ASSERT_TRUE(first.update(indexOf(first, "search(rob1, main_library_c0, tb1)"), {"false"}));
+  first.remember(memory);
+  const double likelihood = (0.5 * 0.1 + 0.5 * 0.95) / 0.95;  // it has two cells
+  expectOdds(likelihood);
+  LowLevelTask second = grasp();  // begins with even odds again
+  second.remember(memory);
+  expectOdds(likelihood);
+}
+
 }  // namespace
 }  // namespace kr3::executive

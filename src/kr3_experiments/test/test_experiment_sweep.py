@@ -184,3 +184,18 @@ def test_the_configuration_names_what_rows_depend_on(tmp_path: Path) -> None:
     assert base[0].digest != base[1].digest
     assert base[0].digest != other[0].digest
     assert base[0].digest == configurations(points(), tmp_path)[0].digest
+
+
+def test_a_detector_that_misses_much_costs_looks_and_not_missions(tmp_path: Path) -> None:
+    """One look into each cell of a room refutes nothing there: the robot has to try the other rooms all the same."""
+    floor = Floor(rooms=9, cells=4, defaults=0, noise=2.0, models="models_learned.yaml")
+    point = Point(
+        label={"method": "pa"},
+        floor=floor,
+        target=TargetRule(rooms=9),
+        job={"method": "pa", "max_hl_actions": 76, "max_backups": 1000},
+        seeds=(1, 31),
+    )
+    rows = sweep(configurations([point], tmp_path / "floors"), tmp_path / "rows", jobs=2, size=15)
+    found = sum(row["declared"] and row["goal_true"] for row in rows)
+    assert found >= 27
