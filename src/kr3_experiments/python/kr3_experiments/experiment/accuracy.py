@@ -29,6 +29,7 @@ _QUICK_SECONDS = 1.0
 _NOISES = [1.0, 2.0]
 _SIMILAR = 0.05
 _PA_BACKUPS = 20_000  # a policy
+_PA_ACTIONS = 12  # high-level actions a room at most: six visits
 _TRIALS = 1000
 _LARGE_ROOMS = 25  # online, floors above have a third of the trials
 _METHODS = {"pomdp1": "ahead", "pomdp1_online": "online"}
@@ -150,10 +151,11 @@ class Accuracy:
     @classmethod
     def _point(cls, options: Options, kind: _Kind, rooms: int, noise: float, budget: int) -> Point:
         work = {
-            "pa": {"max_backups": budget},
+            "pa": {"max_backups": budget, "max_hl_actions": 40 + _PA_ACTIONS * rooms},
             "pomdp1": {"flat_backups": budget},
             "pomdp1_online": {"online_prospects": budget},
         }[kind.method]
+        # POMDP-1, which has no high level, may take sixty low-level actions for each of these.
         job: Dict[str, Any] = {"max_hl_actions": 40 + 4 * rooms, **work}
         planning = _METHODS.get(kind.method)
         job.update(
