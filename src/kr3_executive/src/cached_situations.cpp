@@ -58,7 +58,7 @@ KnownSituation CachedReasoner::known(RenamedSituation renamed) const
   fingerprinter.add(empty_.high);
   fingerprinter.add(empty_.low);
   fingerprinter.addText(renamed.situation.text());
-  return {std::move(renamed), fingerprinter.result(), 0};
+  return {std::move(renamed), fingerprinter.result()};
 }
 
 void CachedReasoner::become(Present& present, std::shared_ptr<const KnownSituation> other)

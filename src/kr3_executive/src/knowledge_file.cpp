@@ -94,8 +94,12 @@ std::optional<Knowledge> readKnowledge(const std::string& path)
     }
     for (const auto& [fluent, item] : document.at("memory").items())
     {
+      const double odds = item.value("odds", 1.0);
+      if (!(odds > 0.0 && odds <= 1.0))
+        throw InvalidArgument(path + ": odds " + std::to_string(odds) + " of " + fluent +
+                              " in the memory, expected (0, 1]");
       knowledge.memory[fluent] = {item.at("values").get<refinement::Distribution>(),
-                                  item.at("assumed").get<std::string>(), item.value("odds", 1.0)};
+                                  item.at("assumed").get<std::string>(), odds};
     }
     return knowledge;
   }

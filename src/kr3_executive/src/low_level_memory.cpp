@@ -1,6 +1,7 @@
 #include "kr3_executive/low_level_memory.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -17,6 +18,12 @@ using refinement::Distribution;
 using refinement::kElsewhere;
 
 constexpr double kCertain = 0.999;
+
+double sumOf(const Distribution& values)
+{
+  return std::accumulate(values.begin(), values.end(), 0.0,
+                         [](double sum, const auto& entry) { return sum + entry.second; });
+}
 
 bool isBoolean(const std::string& value)
 {
@@ -164,6 +171,20 @@ Distribution unknownValue()
   return {{kElsewhere, 1.0}};
 }
 
+std::size_t numUnlisted(const refinement::LowLevelDomain& domain, const std::string& fluent,
+                        const Distribution& values)
+{
+  const auto* declared = domain.highLevel().findFluent(takeApart(fluent).symbol);
+  if (declared == nullptr || !declared->value_sort)
+    return 0;
+  const auto& whole = domain.highLevel().findSort(*declared->value_sort)->elements;
+  return static_cast<std::size_t>(std::count_if(whole.begin(), whole.end(), [&](const auto& value) {
+    const auto components = domain.components(value);
+    return std::none_of(components.begin(), components.end(),
+                        [&values](const auto& part) { return values.count(part) != 0; });
+  }));
+}
+
 Distribution weighed(const refinement::LowLevelDomain& domain, const RememberedFluent& remembered)
 {
   Distribution values = remembered.values;
@@ -189,7 +210,6 @@ std::vector<double> probabilitiesOf(const refinement::LowLevelDomain& domain,
     return entry == known.end() ? 0.0 : entry->second;
   };
   std::vector<bool> listed(values.size(), false);
-  std::size_t unlisted = 0;
   for (std::size_t i = 0; i < values.size(); ++i)
   {
     result[i] = 0.0;
@@ -198,8 +218,9 @@ std::vector<double> probabilitiesOf(const refinement::LowLevelDomain& domain,
       listed[i] = listed[i] || known.count(component) != 0;
       result[i] += massOf(component);
     }
-    unlisted += listed[i] ? 0 : 1;
   }
+  // `elsewhere` is of all that are not listed, asked for or not.
+  const std::size_t unlisted = std::max<std::size_t>(numUnlisted(domain, fluent, known), 1);
   double sum = 0.0;
   for (std::size_t i = 0; i < values.size(); ++i)
   {
@@ -218,17 +239,25 @@ void forget(const refinement::LowLevelDomain& domain, LowLevelMemory& memory,
   const auto found = memory.find(fluent);
   if (found == memory.end())
     return;
-  double kept = 0.0;
+  Distribution& values = found->second.values;
   for (const auto& component : domain.components(value))
-    found->second.values.erase(component);
-  for (const auto& entry : found->second.values)
-    kept += entry.second;
+    values.erase(component);
+  // It is as likely now as the others are in the mean.
+  const auto* declared = domain.highLevel().findFluent(takeApart(fluent).symbol);
+  const auto elsewhere = values.find(kElsewhere);
+  if (elsewhere != values.end() && declared != nullptr && declared->value_sort)
+  {
+    const auto others = domain.highLevel().findSort(*declared->value_sort)->elements.size() - 1;
+    elsewhere->second += sumOf(weighed(domain, found->second)) /
+                         static_cast<double>(std::max<std::size_t>(others, 1));
+  }
+  const double kept = sumOf(values);
   if (!(kept > 0.0))
   {
     memory.erase(found);
     return;
   }
-  for (auto& entry : found->second.values)
+  for (auto& entry : values)
     entry.second /= kept;
   if (found->second.assumed == value)
   {

@@ -337,6 +337,16 @@ Distribution LowLevelTask::rememberedValues(const std::string& fluent, const Dis
     others = weighed(domain_, remembered->second);
   else
     others = anyOfTheLowLevel(domain_, fluent);
+  // What the zoom lists is no longer among the values that `elsewhere` stands for.
+  if (const auto rest = others.find(kElsewhere); rest != others.end())
+  {
+    Distribution listed = others;
+    listed.insert(values.begin(), values.end());
+    const std::size_t before = numUnlisted(domain_, fluent, others);
+    if (before > 0)
+      rest->second *=
+          static_cast<double>(numUnlisted(domain_, fluent, listed)) / static_cast<double>(before);
+  }
   double sum = 0.0;
   for (auto it = others.begin(); it != others.end();)
   {
@@ -371,10 +381,14 @@ double LowLevelTask::oddsOf(const std::string& fluent, const std::string& value,
             : probabilitiesOf(domain_, memory, fluent,
                               values)[static_cast<std::size_t>(place - values.begin())];
     const auto begun = pomdp_->fineMarginal(pomdp_->model().initialBelief(), fluent);
-    const auto elsewhere = begun.find(kElsewhere);
-    const double outside = elsewhere == begun.end() ? 0.0 : elsewhere->second;
-    if (before > 0.0 && before < 1.0 && outside > 0.0 && outside < 1.0)
-      odds = std::min(before / (1.0 - before) * outside / (1.0 - outside), 1.0);
+    double believed = 0.0;
+    for (const auto& component : domain_.components(value))
+    {
+      const auto entry = begun.find(component);
+      believed += entry == begun.end() ? 0.0 : entry->second;
+    }
+    if (before > 0.0 && before < 1.0 && believed > 0.0 && believed < 1.0)
+      odds = std::min(before / (1.0 - before) * (1.0 - believed) / believed, 1.0);
   }
   odds_[fluent] = odds;
   return odds;

@@ -41,18 +41,18 @@ protected:
     return SightingLikelihood(*office_.domain, {literal, confidence}).applied(prior);
   }
 
-  /// The grasp in the main library with even odds, the robot in its first cell.
-  [[nodiscard]] LowLevelTask grasp() const
+  /// The grasp in a place with even odds, the robot in its first cell.
+  [[nodiscard]] LowLevelTask grasp(const std::string& place = "main_library") const
   {
     std::vector<reasoner::Literal> state;
-    for (const char* text : {"loc(rob1) = main_library", "loc(tb1) = main_library"})
+    for (const std::string& text : {"loc(rob1) = " + place, "loc(tb1) = " + place})
       state.push_back(reasoner::parseGroundLiteral(text, office_.domain->highLevel()));
     const auto zoom = refinement::zoom(
         *office_.domain, state,
         reasoner::parseGroundAction("grasp(rob1, tb1)", office_.domain->highLevel()));
     refinement::InitialKnowledge knowledge;
-    knowledge.fine["loc(rob1)"] = {{"main_library_c0", 1.0}};
-    knowledge.coarse["loc(tb1)"] = {{"main_library", 0.5}};
+    knowledge.fine["loc(rob1)"] = {{place + "_c0", 1.0}};
+    knowledge.coarse["loc(tb1)"] = {{place, 0.5}};
     return {*office_.domain,
             std::make_shared<const refinement::PomdpTask>(
                 refinement::generatePomdp(*office_.domain, office_.models, zoom, knowledge)),
@@ -188,8 +188,8 @@ TEST_F(LowLevelBelief, HypothesesShareWhatTheMemoryLeavesOpen)
     EXPECT_NEAR(share, 1.0 / 3.0, 1e-12);
   memory["loc(tb1)"] = {{{"kitchen_c0", 0.05}, {"kitchen_c1", 0.15}, {kElsewhere, 0.8}}, "kitchen"};
   const auto shares = probabilitiesOf(*office_.domain, memory, "loc(tb1)", places);
-  EXPECT_NEAR(shares[0], 0.2, 1e-12);
-  EXPECT_NEAR(shares[1], 0.4, 1e-12);
+  EXPECT_NEAR(shares[0], 5.0 / 13.0, 1e-12);  // five of six places share 0.8
+  EXPECT_NEAR(shares[1], 4.0 / 13.0, 1e-12);
   EXPECT_NEAR(std::accumulate(shares.begin(), shares.end(), 0.0), 1.0, 1e-12);
   forget(*office_.domain, memory, "loc(tb1)", "kitchen");
   for (const double share : probabilitiesOf(*office_.domain, memory, "loc(tb1)", places))
@@ -218,6 +218,28 @@ TEST_F(LowLevelBelief, WhatATaskBeganWithIsNoEvidence)
   LowLevelTask second = grasp();  // begins with even odds again
   second.remember(memory);
   expectOdds(likelihood);
+}
+
+TEST_F(LowLevelBelief, PlacesThatWereLookedAtAlikeStayAlike)
+{
+  const std::vector<std::string> places{"main_library", "kitchen",      "corridor",
+                                        "office",       "study_corner", "aux_library"};
+  LowLevelMemory memory;
+  for (int round = 0; round < 3; ++round)
+  {
+    for (const std::string& place : places)
+    {
+      LowLevelTask task = grasp(place);
+      ASSERT_TRUE(task.update(indexOf(task, "search(rob1, " + place + "_c0, tb1)"), {"false"}));
+      task.remember(memory);
+    }
+    for (const double share : probabilitiesOf(*office_.domain, memory, "loc(tb1)", places))
+      EXPECT_NEAR(share, 1.0 / 6.0, 1e-9) << "round " << round;
+  }
+  // What is asked of a few of them is the same.
+  const auto three =
+      probabilitiesOf(*office_.domain, memory, "loc(tb1)", {places.begin(), places.begin() + 3});
+  EXPECT_NEAR(three[1], 1.0 / 3.0, 1e-9);
 }
 
 }  // namespace

@@ -137,7 +137,7 @@ def test_sweeps_that_have_hardly_begun_state_nothing(trials: int) -> None:
 
 
 @pytest.mark.parametrize("experiment", [Accuracy(), Defaults(), DefaultBias(), Learning()])
-def test_a_sweep_may_be_interrupted_anywhere(experiment: Any) -> None:
+def test_a_sweep_may_be_interrupted_anywhere(experiment: Any, tmp_path: Path) -> None:
     points = experiment.points(Options(trials=2))
     random = Random(1)
     for kept in (0.02, 0.1, 0.3, 0.6, 0.9):
@@ -150,7 +150,9 @@ def test_a_sweep_may_be_interrupted_anywhere(experiment: Any) -> None:
                 if random.random() < trials
             ]
             if rows:
-                experiment.findings(rows, Options(trials=2))
+                found = experiment.findings(rows, Options(trials=2))
+                if kept < 0.1 and trials < 1.0:  # drawing takes long
+                    save_figures(found.figures, tmp_path)
 
 
 def robot_rows() -> List[Dict[str, Any]]:

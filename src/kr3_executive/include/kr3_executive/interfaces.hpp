@@ -55,7 +55,8 @@ public:
   /// Entailed literals in the language, such as "loc(rob1) = office".
   [[nodiscard]] virtual std::vector<std::string> entailedAt(int step) = 0;
   [[nodiscard]] virtual reasoner::Explanation explain(const std::string& literal, int step) = 0;
-  /// Whether an entailed literal rests on a default: explain() would cite one.
+  /// Whether an entailed literal rests on a default: explain() would cite one, as long as it cites
+  /// what happened before the window of a history that is progressed.
   [[nodiscard]] virtual bool restsOnDefault(const std::string& literal, int step)
   {
     return !explain(literal, step).defaults.empty();

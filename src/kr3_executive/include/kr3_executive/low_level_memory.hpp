@@ -82,6 +82,12 @@ private:
 /// Nothing is known of a fluent.
 [[nodiscard]] refinement::Distribution unknownValue();
 
+/// High-level values of a fluent for which the `elsewhere` of a distribution stands: it lists none
+/// of their components. 0 where the high level has no such values.
+[[nodiscard]] std::size_t numUnlisted(const refinement::LowLevelDomain& domain,
+                                      const std::string& fluent,
+                                      const refinement::Distribution& values);
+
 /// The remembered values with their odds as they were before the action; not normalised.
 [[nodiscard]] refinement::Distribution weighed(const refinement::LowLevelDomain& domain,
                                                const RememberedFluent& remembered);

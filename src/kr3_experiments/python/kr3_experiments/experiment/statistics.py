@@ -90,7 +90,7 @@ def _wilcoxon_p(a: np.ndarray, b: np.ndarray) -> float:
 
 def p_text(p_value: float) -> str:
     """ "p = 0.0023"; what is too small to be represented is told so."""
-    return f"p = {p_value:.2g}" if p_value >= _LEAST_P else f"p < {_LEAST_P:g}"
+    return f"p < {_LEAST_P:g}" if p_value < _LEAST_P else f"p = {p_value:.2g}"
 
 
 def mcnemar_p(first: Sequence[bool], second: Sequence[bool]) -> float:
