@@ -119,7 +119,7 @@ class Accuracy:
     def points(self, options: Options) -> List[Point]:
         """PA everywhere, POMDP-1 on the floors of the table, ahead where it can be built, at each budget.
 
-        PA and small budgets come first, small floors before large ones, so that a sweep that is interrupted has these.
+        What costs least comes first, so that a sweep that is interrupted has small floors and budgets.
         """
         points = []
         for noise in _NOISES[:1] if options.quick else _NOISES:
