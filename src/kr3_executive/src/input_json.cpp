@@ -8,6 +8,7 @@
 #include <kr3_pomdp/solved_model.hpp>
 
 #include "kr3_executive/mission_recording.hpp"
+#include "memory_json.hpp"
 
 namespace kr3::executive
 {
@@ -183,24 +184,6 @@ DriverConfig configFromJson(const json& item)
   return config;
 }
 
-json toJson(const LowLevelMemory& memory)
-{
-  json item = json::object();
-  for (const auto& [fluent, remembered] : memory)
-    item[fluent] = {
-        {"values", remembered.values}, {"assumed", remembered.assumed}, {"odds", remembered.odds}};
-  return item;
-}
-
-LowLevelMemory memoryFromJson(const json& item)
-{
-  LowLevelMemory memory;
-  for (const auto& [fluent, remembered] : item.items())
-    memory[fluent] = {remembered.at("values").get<refinement::Distribution>(),
-                      remembered.at("assumed").get<std::string>(), remembered.value("odds", 1.0)};
-  return memory;
-}
-
 int weightAt(const json& item, const char* field)
 {
   const int weight = static_cast<int>(countAt<std::uint32_t>(item, field, 1000000));
@@ -366,7 +349,8 @@ MissionBegun missionFromJson(const json& item)
           limitsFromJson(item.at("limits")),
           item.at("time_limit_s"),
           configFromJson(item.at("config")),
-          {recordsFromJson(item.at("history")), memoryFromJson(item.at("memory"))},
+          {recordsFromJson(item.at("history")),
+           memoryFromJson(item.at("memory"), "a recorded mission")},
           settings};
 }
 

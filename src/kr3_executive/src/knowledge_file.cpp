@@ -7,6 +7,8 @@
 
 #include <kr3_common/error.hpp>
 
+#include "memory_json.hpp"
+
 namespace kr3::executive
 {
 namespace
@@ -48,11 +50,8 @@ void writeKnowledge(const std::string& path, const Knowledge& knowledge,
                        {"confidence", record.confidence},
                        {"source", record.source}});
   }
-  json memory = json::object();
-  for (const auto& [fluent, remembered] : knowledge.memory)
-    memory[fluent] = {
-        {"values", remembered.values}, {"assumed", remembered.assumed}, {"odds", remembered.odds}};
-  json document = {{"version", kVersion}, {"history", history}, {"memory", memory}};
+  json document = {
+      {"version", kVersion}, {"history", history}, {"memory", toJson(knowledge.memory)}};
   if (mission)
   {
     document["mission"] = {{"goal", mission->goal},
@@ -92,15 +91,7 @@ std::optional<Knowledge> readKnowledge(const std::string& path)
            item.at("value").get<bool>(), item.at("step").get<int>(),
            item.at("confidence").get<double>(), item.at("source").get<std::string>()});
     }
-    for (const auto& [fluent, item] : document.at("memory").items())
-    {
-      const double odds = item.value("odds", 1.0);
-      if (!(odds > 0.0 && odds <= 1.0))
-        throw InvalidArgument(path + ": odds " + std::to_string(odds) + " of " + fluent +
-                              " in the memory, expected (0, 1]");
-      knowledge.memory[fluent] = {item.at("values").get<refinement::Distribution>(),
-                                  item.at("assumed").get<std::string>(), odds};
-    }
+    knowledge.memory = memoryFromJson(document.at("memory"), path);
     return knowledge;
   }
   catch (const json::exception& e)
