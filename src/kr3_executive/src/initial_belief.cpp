@@ -122,11 +122,7 @@ private:
   /// The values of a valued fluent on the high level; none for a boolean one.
   [[nodiscard]] std::vector<std::string> valuesOf(const std::string& fluent) const
   {
-    const auto& high_level = task_.domain().highLevel();
-    const auto* declared = high_level.findFluent(takeApart(fluent).symbol);
-    return declared == nullptr || !declared->value_sort
-               ? std::vector<std::string>{}
-               : high_level.findSort(*declared->value_sort)->elements;
+    return highLevelValues(task_.domain(), fluent);
   }
 
   static void spread(Distribution& result, const std::vector<std::string>& values,

@@ -64,12 +64,7 @@ refinement::InitialKnowledge initialKnowledge(const refinement::LowLevelDomain& 
     const auto held = start.find(whole);
     if (held == start.end() || held->second == "false")
       continue;
-    double inside = 0.0;
-    for (const auto& component : domain.components(held->second))
-    {
-      const auto entry = remembered.values.find(component);
-      inside += entry == remembered.values.end() ? 0.0 : entry->second;
-    }
+    const double inside = massOf(domain, remembered.values, held->second);
     const bool of_a_part = whole != fluent;  // a part may differ from its whole
     if (inside > 0.5 || of_a_part || (remembered.assumed == held->second && inside > 0.0))
     {
@@ -171,13 +166,31 @@ Distribution unknownValue()
   return {{kElsewhere, 1.0}};
 }
 
+std::vector<std::string> highLevelValues(const refinement::LowLevelDomain& domain,
+                                         const std::string& fluent)
+{
+  const auto* declared = domain.highLevel().findFluent(takeApart(fluent).symbol);
+  return declared == nullptr || !declared->value_sort
+             ? std::vector<std::string>{}
+             : domain.highLevel().findSort(*declared->value_sort)->elements;
+}
+
+double massOf(const refinement::LowLevelDomain& domain, const Distribution& values,
+              const std::string& value)
+{
+  double sum = 0.0;
+  for (const auto& component : domain.components(value))
+  {
+    const auto entry = values.find(component);
+    sum += entry == values.end() ? 0.0 : entry->second;
+  }
+  return sum;
+}
+
 std::size_t numUnlisted(const refinement::LowLevelDomain& domain, const std::string& fluent,
                         const Distribution& values)
 {
-  const auto* declared = domain.highLevel().findFluent(takeApart(fluent).symbol);
-  if (declared == nullptr || !declared->value_sort)
-    return 0;
-  const auto& whole = domain.highLevel().findSort(*declared->value_sort)->elements;
+  const std::vector<std::string> whole = highLevelValues(domain, fluent);
   return static_cast<std::size_t>(std::count_if(whole.begin(), whole.end(), [&](const auto& value) {
     const auto components = domain.components(value);
     return std::none_of(components.begin(), components.end(),
@@ -243,13 +256,12 @@ void forget(const refinement::LowLevelDomain& domain, LowLevelMemory& memory,
   for (const auto& component : domain.components(value))
     values.erase(component);
   // It is as likely now as the others are in the mean.
-  const auto* declared = domain.highLevel().findFluent(takeApart(fluent).symbol);
+  const std::size_t whole = highLevelValues(domain, fluent).size();
   const auto elsewhere = values.find(kElsewhere);
-  if (elsewhere != values.end() && declared != nullptr && declared->value_sort)
+  if (elsewhere != values.end() && whole > 0)
   {
-    const auto others = domain.highLevel().findSort(*declared->value_sort)->elements.size() - 1;
     elsewhere->second += sumOf(weighed(domain, found->second)) /
-                         static_cast<double>(std::max<std::size_t>(others, 1));
+                         static_cast<double>(std::max<std::size_t>(whole - 1, 1));
   }
   const double kept = sumOf(values);
   if (!(kept > 0.0))

@@ -370,23 +370,14 @@ double LowLevelTask::oddsOf(const std::string& fluent, const std::string& value,
   if (known != odds_.end())
     return known->second;
   double odds = 1.0;
-  const auto* declared = domain_.highLevel().findFluent(symbolOf(fluent));
-  if (declared != nullptr && declared->value_sort && coarseFluent(domain_, fluent) == fluent)
+  const std::vector<std::string> values = highLevelValues(domain_, fluent);
+  const auto place = std::find(values.begin(), values.end(), value);
+  if (place != values.end() && coarseFluent(domain_, fluent) == fluent)
   {
-    const auto& values = domain_.highLevel().findSort(*declared->value_sort)->elements;
-    const auto place = std::find(values.begin(), values.end(), value);
-    const double before =
-        place == values.end()
-            ? 0.0
-            : probabilitiesOf(domain_, memory, fluent,
-                              values)[static_cast<std::size_t>(place - values.begin())];
-    const auto begun = pomdp_->fineMarginal(pomdp_->model().initialBelief(), fluent);
-    double believed = 0.0;
-    for (const auto& component : domain_.components(value))
-    {
-      const auto entry = begun.find(component);
-      believed += entry == begun.end() ? 0.0 : entry->second;
-    }
+    const double before = probabilitiesOf(domain_, memory, fluent,
+                                          values)[static_cast<std::size_t>(place - values.begin())];
+    const double believed =
+        massOf(domain_, pomdp_->fineMarginal(pomdp_->model().initialBelief(), fluent), value);
     if (before > 0.0 && before < 1.0 && believed > 0.0 && believed < 1.0)
       odds = std::min(before / (1.0 - before) * (1.0 - believed) / believed, 1.0);
   }

@@ -82,6 +82,14 @@ private:
 /// Nothing is known of a fluent.
 [[nodiscard]] refinement::Distribution unknownValue();
 
+/// All values of a valued fluent on the high level, in the order of its sort; none of another one.
+[[nodiscard]] std::vector<std::string> highLevelValues(const refinement::LowLevelDomain& domain,
+                                                       const std::string& fluent);
+
+/// What a distribution over low-level values has on the components of a high-level one.
+[[nodiscard]] double massOf(const refinement::LowLevelDomain& domain,
+                            const refinement::Distribution& values, const std::string& value);
+
 /// High-level values of a fluent for which the `elsewhere` of a distribution stands: it lists none
 /// of their components. 0 where the high level has no such values.
 [[nodiscard]] std::size_t numUnlisted(const refinement::LowLevelDomain& domain,
